@@ -5,6 +5,8 @@ use std::io::{self, Write};
 use clap::ArgMatches;
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 
+use crate::source::shown;
+
 /// The verbosity of messages.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Console {
@@ -22,7 +24,7 @@ impl Console {
     pub(super) fn note(self, text: &str) {
         if !self.quiet {
             // Where stderr is closed, the message is dropped.
-            let _ = writeln!(io::stderr(), "{text}");
+            let _ = writeln!(io::stderr(), "{}", one_line(text));
         }
     }
 
@@ -60,6 +62,12 @@ impl Console {
         bar.set_position(0);
         LongProgress { bar, console: self }
     }
+}
+
+/// A message in one line: names and messages of libraries can have several.
+pub(super) fn one_line(text: &str) -> String {
+    let lines: Vec<&str> = text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
+    shown(&lines.join(" ")).replace(char::is_control, " ")
 }
 
 /// The progress of a long work of several parts: a bar with the time left on a terminal, lines elsewhere.

@@ -1,14 +1,18 @@
 //! Arguments shared by the subcommands: settings, threads, verbosity, a range of frames.
 
 use std::fmt;
+use std::num::NonZero;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::thread;
 
 use anyhow::{Context as _, anyhow};
+use clap::builder::{OsStringValueParser, TypedValueParser};
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 
 use crate::regions::Roi;
 use crate::settings::{BackgroundModel, Kind, Preset, SETTINGS, Settings};
+use crate::source::name_of;
 
 /// An error of usage, independent of the contents of files: exit status 2.
 #[derive(Debug, thiserror::Error)]
@@ -17,10 +21,15 @@ pub struct UsageError(pub String);
 
 /// The first argument, VIDEO.
 pub(super) fn video() -> Arg {
-    Arg::new("video").value_name("VIDEO").help(
+    Arg::new("video").value_name("VIDEO").value_parser(source_name()).help(
         "A video file, a TIFF file of several pages, a folder of images, the folder of a CDnet or MOTChallenge \
          sequence, a pattern such as in%06d.png, camera:0, or an address such as rtsp://host/stream",
     )
+}
+
+/// A name of a source, also of a path that is no text.
+pub(super) fn source_name() -> impl TypedValueParser<Value = String> {
+    OsStringValueParser::new().map(name_of)
 }
 
 /// `--offset`.
@@ -90,8 +99,9 @@ pub(super) fn settings(matches: &ArgMatches) -> anyhow::Result<Settings> {
     };
     let mut settings = Settings::preset(preset);
     if let Some(path) = matches.get_one::<PathBuf>("settings") {
-        let text = std::fs::read_to_string(path)
-            .with_context(|| format!("the settings file {} cannot be read", path.display()))?;
+        let text = std::fs::read_to_string(path).with_context(|| {
+            format!("the settings file {} cannot be read; check its path and permissions", path.display())
+        })?;
         settings.apply_toml(&text, path)?;
     }
     for setting in SETTINGS {
@@ -143,12 +153,17 @@ pub(super) fn with_common(command: Command) -> Command {
 
 /// Sets the size of the thread pool.
 pub(super) fn start_threads(matches: &ArgMatches) -> anyhow::Result<()> {
-    let Some(&threads) = matches.get_one::<u16>("threads") else { return Ok(()) };
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads.into())
-        .build_global()
-        .with_context(|| format!("{threads} threads cannot be started; use fewer"))?;
-    opencv::core::set_num_threads(i32::from(threads)).map_err(|error| anyhow!("OpenCV: {error}"))
+    let threads = matches.get_one::<u16>("threads").copied();
+    if let Some(threads) = threads {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads.into())
+            .build_global()
+            .with_context(|| format!("{threads} threads cannot be started; use fewer"))?;
+    }
+    // OpenCV's pool warns of more threads than processors, also where an environment variable asks for them.
+    let processors = thread::available_parallelism().map_or(1, NonZero::get);
+    let threads = threads.map_or(processors, |threads| processors.min(threads.into()));
+    opencv::core::set_num_threads(threads as i32).map_err(|error| anyhow!("OpenCV: {error}"))
 }
 
 /// Adds `--range`.

@@ -162,9 +162,8 @@ fn report(error: &anyhow::Error) -> ExitCode {
     if closed_pipe {
         return ExitCode::SUCCESS;
     }
-    let line = format!("{error:#}").split_whitespace().collect::<Vec<_>>().join(" ");
     // Where stderr is closed, the message is dropped.
-    let _ = writeln!(io::stderr(), "error: {line}");
+    let _ = writeln!(io::stderr(), "error: {}", console::one_line(&format!("{error:#}")));
     let wrong_usage = error.chain().any(|cause| {
         cause.downcast_ref::<UsageError>().is_some() || cause.downcast_ref::<SettingError>().is_some()
     });

@@ -13,6 +13,7 @@ use super::flags;
 use super::run::hexadecimal;
 use super::scored_results::ScoredResults;
 use super::standard_output;
+use crate::source::name_of;
 use crate::truth::comparison::Comparison;
 use crate::truth::event_scoring::{self, EventScore};
 use crate::truth::hota::Hota;
@@ -85,7 +86,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
         let json = Json {
             measures: scores.measures(),
             scores: &scores,
-            truth_path: path("truth"),
+            truth_path: name_of(path("truth")),
             offset,
             summary_sha256: hash_of_summary(&path("results")),
         };
@@ -107,7 +108,7 @@ struct Json<'a> {
     measures: Measures,
     #[serde(flatten)]
     scores: &'a Scores,
-    truth_path: PathBuf,
+    truth_path: String,
     offset: i64,
     /// The hash of the summary of the run that is scored.
     #[serde(skip_serializing_if = "Option::is_none")]

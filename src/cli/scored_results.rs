@@ -127,8 +127,14 @@ impl Summary {
         if !path.is_file() {
             return Ok(None);
         }
-        let text = fs::read_to_string(&path).with_context(|| format!("{} cannot be read", path.display()))?;
-        serde_json::from_str(&text).with_context(|| format!("{} is damaged; run again", path.display()))
+        let text = fs::read_to_string(&path)
+            .with_context(|| format!("{} cannot be read; check its permissions", path.display()))?;
+        let damaged = || format!("{} is damaged; run again", path.display());
+        let summary: Self = serde_json::from_str(&text).with_context(damaged)?;
+        if !summary.input.options.is_valid() {
+            bail!(damaged());
+        }
+        Ok(Some(summary))
     }
 }
 

@@ -10,7 +10,7 @@ use super::flags::UsageError;
 use crate::placement::Crop;
 use crate::source::{
     FPS_RANGE, FpsFrom, Levels, Options, SCALE_RANGE, SceneFolder, SourceInfo, parse_crop, parse_fps,
-    parse_scale,
+    parse_scale, path_of,
 };
 use crate::truth::TruthSource;
 
@@ -125,7 +125,7 @@ fn levels(matches: &ArgMatches) -> Result<Option<Levels>, UsageError> {
 
 /// Prints a note if the folder of the sequence has ground truth for the results in `out`.
 pub(super) fn note_truth(video: &str, out: &Path, has_masks: bool, console: Console) {
-    let Some(truth) = SceneFolder::at(Path::new(video)).and_then(|scene| scene.truth) else { return };
+    let Some(truth) = SceneFolder::at(&path_of(video)).and_then(|scene| scene.truth) else { return };
     let needs_masks = matches!(TruthSource::of(&truth), Ok(TruthSource::Cdnet(_))) && !has_masks;
     console.note(&format!(
         "note: {video} has ground truth{}; score the results with occluscope score {} --truth {}",

@@ -13,19 +13,20 @@ use std::path::{Path, PathBuf};
 
 use image::codecs::{gif::GifDecoder, png::PngDecoder, webp::WebPDecoder};
 use image::{
-    AnimationDecoder, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits, metadata::Orientation,
+    AnimationDecoder, DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits,
+    metadata::Orientation,
 };
 
-use super::jpeg;
 use super::levels::{self, LevelRange};
 use super::tiff_pages::{self, PageReader};
+use super::{jpeg, jpeg_data, tiff_samples};
 use crate::frame::Size;
 
 const EXTENSIONS: [&str; 13] =
     ["png", "jpg", "jpeg", "jpe", "bmp", "tif", "tiff", "webp", "ppm", "pgm", "pbm", "pnm", "gif"];
 
-/// Largest memory of a decoded image: that of 2 billion bytes, as 26000 × 26000 RGB.
-const MOST_BYTES: u64 = 1 << 31;
+/// Largest number of pixels of an image, as FFmpeg has it for videos. A header can claim any.
+const MAX_PIXELS: u64 = 1 << 28;
 
 /// A JPEG's header, thumbnail included, lies within these first bytes; the decoder would read the whole file.
 const JPEG_HEADER_BYTES: u64 = 256 << 10;
@@ -77,11 +78,21 @@ pub(super) fn has_image_name(path: &Path) -> bool {
 pub(super) fn size(image: &ImageFile) -> Result<Size, String> {
     let path = &image.path;
     if let Some(page) = image.page {
-        return size_of(page_reader(path, page)?.into_decoder().map_err(text)?);
+        let reader = || page_reader(path, page);
+        return match reader()?.into_decoder() {
+            Err(ImageError::Unsupported(_)) => tiff_samples::size(reader()?.into_inner()),
+            decoder => size_of(decoder.map_err(text)?),
+        };
     }
     let reader = reader(path)?;
-    if reader.format() != Some(ImageFormat::Jpeg) {
-        return size_of(reader.into_decoder().map_err(text)?);
+    let format = reader.format();
+    if format != Some(ImageFormat::Jpeg) {
+        return match reader.into_decoder() {
+            Err(ImageError::Unsupported(_)) if format == Some(ImageFormat::Tiff) => {
+                tiff_samples::size(BufReader::new(File::open(path).map_err(text)?))
+            }
+            decoder => size_of(decoder.map_err(text)?),
+        };
     }
     let mut header = Vec::new();
     File::open(path).and_then(|file| file.take(JPEG_HEADER_BYTES).read_to_end(&mut header)).map_err(text)?;
@@ -105,14 +116,29 @@ pub(super) fn rgb(image: DynamicImage, levels: Option<LevelRange>) -> (Size, Vec
 /// The image with its stored values, upright.
 pub(super) fn decode(image: &ImageFile) -> Result<DynamicImage, String> {
     if let Some(page) = image.page {
-        return upright(page_reader(&image.path, page)?.into_decoder().map_err(text)?);
+        let reader = || page_reader(&image.path, page);
+        return match reader()?.into_decoder() {
+            Err(ImageError::Unsupported(_)) => tiff_samples::decode(reader()?.into_inner()),
+            decoder => upright(decoder.map_err(text)?),
+        };
     }
     let bytes = std::fs::read(&image.path).map_err(text)?;
     let reader = ImageReader::new(Cursor::new(&bytes)).with_guessed_format().map_err(text)?;
-    if reader.format() == Some(ImageFormat::Jpeg) && jpeg::is_cut_off(&bytes) {
-        return Err("the file is truncated".into());
+    let format = reader.format();
+    if format == Some(ImageFormat::Jpeg) {
+        if jpeg::is_cut_off(&bytes) {
+            return Err("the file is truncated".into());
+        }
+        if jpeg_data::is_damaged(&bytes) {
+            return Err("its data is damaged".into());
+        }
     }
-    upright(reader.into_decoder().map_err(text)?)
+    match reader.into_decoder() {
+        Err(ImageError::Unsupported(_)) if format == Some(ImageFormat::Tiff) => {
+            tiff_samples::decode(Cursor::new(&bytes))
+        }
+        decoder => upright(decoder.map_err(text)?),
+    }
 }
 
 /// What a file holds besides its first picture, if anything: pages, or an animation.
@@ -136,14 +162,13 @@ pub(super) fn further_pictures(path: &Path) -> Option<&'static str> {
 }
 
 fn upright(mut decoder: impl ImageDecoder) -> Result<DynamicImage, String> {
-    // A header can claim any size; the memory for it is reserved before any pixel is read.
-    let mut limits = Limits::no_limits();
-    limits.max_alloc = Some(MOST_BYTES);
-    limits.reserve(decoder.total_bytes()).map_err(|_| {
-        let (width, height) = decoder.dimensions();
-        format!("it claims {width}×{height} pixels, more than can be read; make it smaller")
-    })?;
+    let (width, height) = decoder.dimensions();
+    checked_size(width, height)?;
     let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+    // Beside the picture itself, which is not too large.
+    let mut limits = Limits::default();
+    limits.max_alloc = limits.max_alloc.map(|bytes| bytes.saturating_add(decoder.total_bytes()));
+    decoder.set_limits(limits).map_err(text)?;
     let mut image = DynamicImage::from_decoder(decoder).map_err(text)?;
     image.apply_orientation(orientation);
     Ok(image)
@@ -165,12 +190,29 @@ fn page_reader(path: &Path, page: Page) -> Result<ImageReader<PageReader>, Strin
 }
 
 fn size_of(mut decoder: impl ImageDecoder) -> Result<Size, String> {
-    use Orientation::{Rotate90, Rotate90FlipH, Rotate270, Rotate270FlipH};
-    let (width, height) = decoder.dimensions();
     let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
-    let sideways = matches!(orientation, Rotate90 | Rotate270 | Rotate90FlipH | Rotate270FlipH);
-    let (width, height) = if sideways { (height, width) } else { (width, height) };
-    if width == 0 || height == 0 { Err("it has no pixels".into()) } else { Ok(Size::new(width, height)) }
+    upright_size(decoder.dimensions(), orientation)
+}
+
+/// The size of an image after its orientation is applied.
+pub(super) fn upright_size((width, height): (u32, u32), orientation: Orientation) -> Result<Size, String> {
+    use Orientation::{Rotate90, Rotate90FlipH, Rotate270, Rotate270FlipH};
+    match orientation {
+        Rotate90 | Rotate270 | Rotate90FlipH | Rotate270FlipH => checked_size(height, width),
+        _ => checked_size(width, height),
+    }
+}
+
+/// The size that a header claims. Fails where there is nothing, or too much to be an image.
+pub(super) fn checked_size(width: u32, height: u32) -> Result<Size, String> {
+    match u64::from(width) * u64::from(height) {
+        0 => Err("it has no pixels".into()),
+        pixels if pixels > MAX_PIXELS => {
+            let most = MAX_PIXELS / 1_000_000;
+            Err(format!("its header says {width}×{height}, and images have at most {most} million pixels"))
+        }
+        _ => Ok(Size::new(width, height)),
+    }
 }
 
 #[allow(clippy::needless_pass_by_value, reason = "fits `map_err`")]

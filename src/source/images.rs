@@ -10,7 +10,9 @@ use super::levels::{self, LevelRange};
 use super::numbering::{NumberClock, NumberedFiles};
 use super::random_access::{Fingerprint, RandomAccess, Step, is_same};
 use super::rate::ImageRate;
-use super::{FpsFrom, Options, Source, SourceError, SourceInfo, folder, rate, scene_folder, tiff_pages};
+use super::{
+    FpsFrom, Options, Source, SourceError, SourceInfo, folder, path_of, rate, scene_folder, tiff_pages,
+};
 use crate::frame::{Frame, Size};
 
 /// An image sequence; all images have one size.
@@ -39,9 +41,10 @@ impl ImageSequence {
     /// The images of `folder` in the natural order of their names; other files are ignored.
     pub(super) fn of_folder(name: &str, folder: &Path, options: Options) -> Result<Self, SourceError> {
         let NumberedFiles { files, mut warnings } = folder::images(name, folder)?;
-        warnings.extend(scene_folder::missing_images(Path::new(name), folder));
+        let path = path_of(name);
+        warnings.extend(scene_folder::missing_images(&path, folder));
         // The folder of images within that of a sequence may be a link.
-        let described = if rate::is_described(folder) { folder } else { Path::new(name) };
+        let described = if rate::is_described(folder) { folder } else { &path };
         Self::new(
             name,
             options,
@@ -54,13 +57,13 @@ impl ImageSequence {
     /// The images whose names match a pattern such as `in%06d.png`, ordered by number.
     pub(super) fn of_pattern(name: &str, options: Options) -> Result<Self, SourceError> {
         let (folder, NumberedFiles { files, warnings }) = folder::matches(name)?;
-        Self::new(name, options, rate_of(options, Some(folder)), files.into_iter().map(whole_file), warnings)
+        Self::new(name, options, rate_of(options, Some(&folder)), files.into_iter().map(whole_file), warnings)
     }
 
     /// The pages of a TIFF file, numbered from 1.
     pub(super) fn of_pages(name: &str, options: Options) -> Result<Self, SourceError> {
-        let path = Path::new(name);
-        let pages = tiff_pages::pages(path, u32::MAX as usize)
+        let path = path_of(name);
+        let pages = tiff_pages::pages(&path, u32::MAX as usize)
             .map_err(|error| SourceError::unusable(name, format!("{error}; check that it is complete")))?;
         let mut warnings = Vec::new();
         if pages.is_cut_off {
@@ -72,7 +75,7 @@ impl ImageSequence {
         }
         let files = (1..).zip(pages.directories).map(|(number, directory)| {
             let page = Some(Page { number, directory });
-            (ImageFile { path: path.to_owned(), page }, number)
+            (ImageFile { path: path.to_path_buf(), page }, number)
         });
         Self::new(name, options, rate_of(options, None), files, warnings)
     }

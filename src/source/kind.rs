@@ -2,9 +2,8 @@
 
 use std::fs;
 use std::io::ErrorKind;
-use std::path::Path;
 
-use super::{Options, SourceError, tiff_pages, video};
+use super::{Options, SourceError, path_of, shown, tiff_pages, video};
 
 /// The prefix of the name of a camera.
 pub(super) const CAMERA: &str = "camera:";
@@ -29,15 +28,19 @@ pub enum SourceKind {
 impl SourceKind {
     /// The kind of the source of this name. Fails where there is nothing of this name, or neither a file nor a folder.
     pub fn of(name: &str) -> Result<Self, SourceError> {
-        if name.starts_with(CAMERA) {
+        let path = path_of(name);
+        // A file can have such a name, too.
+        if let Some(index) = name.strip_prefix(CAMERA)
+            && (index.parse::<u32>().is_ok() || !path.exists())
+        {
             return Ok(Self::Camera);
         }
         if video::is_address(name) {
             return Ok(Self::Network);
         }
-        match fs::metadata(name) {
+        match fs::metadata(&path) {
             Ok(metadata) if metadata.is_dir() => Ok(Self::Folder),
-            Ok(metadata) if metadata.is_file() && tiff_pages::is_tiff(Path::new(name)) => Ok(Self::Pages),
+            Ok(metadata) if metadata.is_file() && tiff_pages::is_tiff(&path) => Ok(Self::Pages),
             Ok(metadata) if metadata.is_file() => Ok(Self::Video),
             Ok(_) => {
                 let why = "it is neither a file nor a folder; cameras are camera:0, camera:1, …";
@@ -47,7 +50,7 @@ impl SourceKind {
                 if name.contains('%') {
                     Ok(Self::Pattern)
                 } else {
-                    Err(SourceError::Missing(name.to_owned()))
+                    Err(SourceError::Missing(shown(name).into_owned()))
                 }
             }
             Err(error) => Err(SourceError::unusable(name, format!("{error}; check its permissions"))),

@@ -121,8 +121,17 @@ pub(super) fn rgb8(image: DynamicImage, levels: Option<LevelRange>) -> RgbImage 
     mapped.map(DynamicImage::into_rgb8).unwrap_or_default()
 }
 
-/// Suggests levels for a 16-bit image whose values use a small part of the range.
+/// Suggests levels for a 16-bit image whose values use a small part of the range, and for one of real numbers whose
+/// values exceed it.
 pub(super) fn suggestion(image: &DynamicImage) -> Option<String> {
+    if matches!(image.color(), ColorType::Rgb32F | ColorType::Rgba32F) {
+        let found = extent(image.clone()).filter(|found| found.low < 0.0 || found.high > 1.0)?;
+        return Some(format!(
+            "has values from {} to {}, and those below 0 become black, those above 1 white; scale them with --levels \
+             {found} or --levels auto",
+            found.low, found.high
+        ));
+    }
     let is_16_bit =
         matches!(image.color(), ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16);
     let LevelRange { low, high } = is_16_bit.then(|| extent(image.clone())).flatten()?;

@@ -11,8 +11,10 @@ mod folder;
 mod image_file;
 mod images;
 mod jpeg;
+mod jpeg_data;
 mod kind;
 mod levels;
+mod name;
 mod numbering;
 mod options;
 mod pattern;
@@ -25,12 +27,11 @@ mod reopened;
 mod scene_folder;
 mod step_back;
 mod tiff_pages;
+mod tiff_samples;
 mod video;
 
 #[cfg(test)]
 mod tests;
-
-use std::path::Path;
 
 use random_access::RandomAccess;
 
@@ -40,15 +41,23 @@ use crate::settings::Settings;
 
 pub use kind::SourceKind;
 pub use levels::{LevelRange, Levels};
+pub use name::{name_of, path_of, shown};
 pub use options::{Options, SCALE_RANGE, parse_crop, parse_scale};
 pub use quiet::silence_libraries;
 pub use rate::{FPS_RANGE, FpsFrom, parse_fps};
 pub use scene_folder::SceneFolder;
 
+/// The endings of the names of videos, besides animations.
+pub const VIDEO_ENDINGS: [&str; 17] = [
+    "mp4", "avi", "mkv", "mov", "webm", "m4v", "mpg", "mpeg", "ogv", "mts", "m2ts", "ts", "3gp", "wmv",
+    "flv", "y4m", "mxf",
+];
+
 /// Properties of a source that are known before its frames are read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SourceInfo {
-    /// The name given by the user: a path, a pattern, an address (without a password in it), `camera:0`.
+    /// The name given by the user: that of a path ([`name_of`]), a pattern, an address (without a password in it),
+    /// `camera:0`.
     pub name: String,
     /// Width and height of every frame.
     pub size: Size,
@@ -149,7 +158,7 @@ impl SourceError {
     pub(crate) fn unusable(path: &str, why: impl Into<String>) -> Self {
         // Messages of libraries may contain line breaks; ours are one line.
         let why = why.into().split_whitespace().collect::<Vec<_>>().join(" ");
-        Self::Unusable { path: path.to_owned(), why }
+        Self::Unusable { path: shown(path).into_owned(), why: shown(&why).into_owned() }
     }
 
     pub(crate) fn changed(path: &str) -> Self {
@@ -157,7 +166,7 @@ impl SourceError {
     }
 }
 
-/// Opens the source `name`: a video file, a TIFF file of several pages, a folder of images, a data set's folder of a
+/// Opens the source of this name ([`name_of`] a path, or an address or camera): a video file, a TIFF file of several pages, a folder of images, a data set's folder of a
 /// sequence ([`SceneFolder`]), a printf pattern such as `in%06d.png`, a camera as `camera:0`, or a network stream as an
 /// address, `rtsp://…`, `http://…` or `https://…`, which is read once.
 ///
@@ -178,8 +187,9 @@ fn open_whole(name: &str, options: Options) -> Result<Box<dyn Source>, SourceErr
         SourceKind::Network | SourceKind::Video => Box::new(video::Video::open(name, options)?),
         SourceKind::Pattern => Box::new(images::ImageSequence::of_pattern(name, options)?),
         SourceKind::Folder => {
-            let scene = SceneFolder::at(Path::new(name));
-            let folder = scene.as_ref().map_or(Path::new(name), |scene| &scene.images);
+            let path = path_of(name);
+            let scene = SceneFolder::at(&path);
+            let folder = scene.as_ref().map_or(&*path, |scene| &scene.images);
             Box::new(images::ImageSequence::of_folder(name, folder, options)?)
         }
         SourceKind::Pages => Box::new(images::ImageSequence::of_pages(name, options)?),

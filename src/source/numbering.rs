@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use super::name_of;
+
 /// The frames of a folder: files with their numbers, in order.
 #[derive(Debug, PartialEq)]
 pub(super) struct NumberedFiles {
@@ -170,12 +172,12 @@ fn last_digits(stem: &str) -> Option<(usize, usize)> {
 
 /// The file name without the extension.
 fn stem(file: &Path) -> String {
-    file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+    name_of(file.file_stem().unwrap_or_default())
 }
 
 /// The file name.
 fn text(file: &Path) -> String {
-    file.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    name_of(file.file_name().unwrap_or_default())
 }
 
 #[cfg(test)]

@@ -1,13 +1,14 @@
 //! The sequences of a data set: folders with images or a video and ground truth beside them.
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
+use std::ffi::OsStr;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use crate::source::SceneFolder;
+use crate::source::{SceneFolder, name_of};
 
 /// How deep below the data set's folder sequences are looked for.
 const MAX_DEPTH: usize = 6;
@@ -28,23 +29,62 @@ pub struct Sequence {
 pub struct DataSet {
     /// Those with images and ground truth, in natural order of their names.
     pub sequences: Vec<Sequence>,
-    /// The names of folders with images or ground truth alone.
-    pub incomplete: Vec<String>,
+    /// The names of folders that are left out, by reason.
+    pub left_out: BTreeMap<LeftOut, Vec<String>>,
+}
+
+/// Why a folder of a data set is left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum LeftOut {
+    /// It has images or ground truth alone, or a description that cannot be read.
+    Incomplete,
+    /// It cannot be read.
+    Unreadable,
+    /// Another sequence has its name, as characters that cannot be written are replaced.
+    SameName,
+}
+
+impl LeftOut {
+    /// The reason and a remedy.
+    pub const fn text(self) -> &'static str {
+        match self {
+            Self::Incomplete => {
+                "there are images without ground truth, the reverse, or a damaged scene.json; complete or remove them"
+            }
+            Self::Unreadable => "the folder cannot be read; check its permissions",
+            Self::SameName => {
+                "another sequence has the same name but for characters that are no text; rename it"
+            }
+        }
+    }
+}
+
+/// The name of a sequence in tables: that of its file or folder, with a replacement for what is no text or no character
+/// of a line.
+pub fn sequence_name(file: &OsStr) -> String {
+    let name = file.to_string_lossy().replace(char::is_control, "\u{fffd}");
+    if name.trim().is_empty() { "sequence".to_owned() } else { name }
 }
 
 /// The sequences below `root`, or that at `root`, by name: folders with `input/` and `groundtruth/`, with `img1/` and
-/// `gt/gt.txt`, and scenes written by `synth`. Fails if a folder cannot be read.
+/// `gt/gt.txt`, and scenes written by `synth`. Fails if `root` cannot be read.
 ///
 /// A folder that several links lead to is taken once.
 pub fn sequences_below(root: &Path) -> io::Result<DataSet> {
     let mut found = DataSet::default();
     let name = root.file_name().or_else(|| root.parent().and_then(Path::file_name));
-    let name = name.map_or_else(|| "sequence".to_owned(), |name| name.to_string_lossy().into_owned());
+    let name = sequence_name(name.unwrap_or_default());
     match sequence_at(root, &name) {
         Some(sequence) => found.sequences.push(sequence),
         None => search(root, "", 0, &mut found, &mut HashSet::new())?,
     }
     Ok(found)
+}
+
+impl DataSet {
+    fn leave_out(&mut self, why: LeftOut, name: String) {
+        self.left_out.entry(why).or_default().push(name);
+    }
 }
 
 fn search(
@@ -60,19 +100,24 @@ fn search(
     let mut folders: Vec<(String, PathBuf)> = Vec::new();
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let name = sequence_name(path.file_name().unwrap_or_default());
         if path.is_dir() && !name.starts_with('.') {
             folders.push((name, path));
         }
     }
-    folders.sort_by(|a, b| natord::compare(&a.0, &b.0));
+    folders.sort_by(|a, b| natord::compare(&a.0, &b.0).then_with(|| a.1.cmp(&b.1)));
     for (name, path) in folders {
         let name = if prefix.is_empty() { name } else { format!("{prefix}/{name}") };
         match sequence_at(&path, &name) {
-            Some(_) if !visited.insert(path.canonicalize()?) => {}
+            Some(_) if path.canonicalize().is_ok_and(|path| !visited.insert(path)) => {}
+            Some(sequence) if found.sequences.iter().any(|other| other.name == sequence.name) => {
+                found.leave_out(LeftOut::SameName, name);
+            }
             Some(sequence) => found.sequences.push(sequence),
-            None if is_incomplete(&path) => found.incomplete.push(name),
-            None if depth < MAX_DEPTH => search(&path, &name, depth + 1, found, visited)?,
+            None if is_incomplete(&path) => found.leave_out(LeftOut::Incomplete, name),
+            None if depth < MAX_DEPTH && search(&path, &name, depth + 1, found, visited).is_err() => {
+                found.leave_out(LeftOut::Unreadable, name);
+            }
             None => {}
         }
     }
@@ -82,16 +127,15 @@ fn search(
 /// Whether a folder has a part of a data set's layout without the others: images without ground truth, or ground truth
 /// without images.
 fn is_incomplete(folder: &Path) -> bool {
-    ["input", "img1", "groundtruth", "gt/gt.txt"].iter().any(|name| folder.join(name).exists())
+    ["input", "img1", "groundtruth", "gt/gt.txt", "scene.json", "truth/gt.txt"]
+        .iter()
+        .any(|name| folder.join(name).exists())
 }
 
 /// The sequence in a folder, if it is that of one.
 fn sequence_at(folder: &Path, name: &str) -> Option<Sequence> {
-    let sequence = |video: &Path, truth: PathBuf| Sequence {
-        name: name.to_owned(),
-        video: video.to_string_lossy().into_owned(),
-        truth,
-    };
+    let sequence =
+        |video: &Path, truth: PathBuf| Sequence { name: name.to_owned(), video: name_of(video), truth };
     if let Some(SceneFolder { truth: Some(truth), .. }) = SceneFolder::at(folder) {
         return Some(sequence(folder, truth));
     }
@@ -145,8 +189,8 @@ mod tests {
         for (to, link) in [("", "shadow/back"), ("tree", "again")] {
             std::os::unix::fs::symlink(root.path().join(to), root.path().join(link)).unwrap();
         }
-        let DataSet { sequences: found, incomplete } = sequences_below(root.path()).unwrap();
-        assert_eq!(incomplete, ["untrue"]);
+        let DataSet { sequences: found, left_out } = sequences_below(root.path()).unwrap();
+        assert_eq!(left_out, BTreeMap::from([(LeftOut::Incomplete, vec!["untrue".to_owned()])]));
         let names: Vec<_> = found.iter().map(|it| &it.name).collect();
         assert_eq!(names, ["MOT-9", "MOT-10", "again", "shadow/cubicle"], "natural order, once each");
         assert_eq!(Path::new(&found[2].video), root.path().join("again/tree.mp4"));

@@ -66,7 +66,7 @@ pub fn read_events(path: &Path) -> Result<Vec<ScoredEvent>, TruthError> {
         kind: String,
         objects: Vec<u32>,
     }
-    let text = fs::read_to_string(path).map_err(|error| TruthError::new(path, error))?;
+    let text = fs::read_to_string(path).map_err(|error| TruthError::unreadable(path, error))?;
     let line = |(line, number): (&str, usize)| {
         let Line { frame, kind, mut objects } = serde_json::from_str(line)
             .map_err(|error| TruthError::new(path, format!("line {number} is not an event ({error})")))?;
@@ -85,7 +85,7 @@ pub fn read_episodes(path: &Path) -> Result<Vec<ScoredEvent>, TruthError> {
         start: u32,
         end: u32,
     }
-    let text = fs::read(path).map_err(|error| TruthError::new(path, error))?;
+    let text = fs::read(path).map_err(|error| TruthError::unreadable(path, error))?;
     let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(text.as_slice());
     let episode = |row: &StringRecord, headers: &StringRecord| {
         let Row { kind, objects, start, end } = row.deserialize(Some(headers)).ok()?;

@@ -477,10 +477,10 @@ pub(super) fn is_folder_of_masks(folder: &Path) -> bool {
 /// The images of a folder without loss (PNG, BMP, TIFF, PGM) by the last number in their names. Fails if two have the same
 /// number.
 pub(super) fn numbered_images(folder: &Path) -> Result<BTreeMap<u32, PathBuf>, TruthError> {
-    let entries = std::fs::read_dir(folder).map_err(|error| TruthError::new(folder, error))?;
+    let entries = std::fs::read_dir(folder).map_err(|error| TruthError::unreadable(folder, error))?;
     let mut paths: BTreeMap<u32, PathBuf> = BTreeMap::new();
     for entry in entries {
-        let path = entry.map_err(|error| TruthError::new(folder, error))?.path();
+        let path = entry.map_err(|error| TruthError::unreadable(folder, error))?.path();
         let ending = path.extension().unwrap_or_default();
         let is_image = ["png", "bmp", "tif", "tiff", "pgm"].iter().any(|it| ending.eq_ignore_ascii_case(it));
         let number = path.file_stem().and_then(|stem| last_number(&stem.to_string_lossy()));
@@ -504,7 +504,7 @@ pub(super) fn last_number(stem: &str) -> Option<u32> {
 
 /// The files with names such as `gt000001.png`, by number.
 fn numbered(folder: &Path, prefix: &str) -> Result<BTreeMap<u32, PathBuf>, TruthError> {
-    let entries = std::fs::read_dir(folder).map_err(|error| TruthError::new(folder, error))?;
+    let entries = std::fs::read_dir(folder).map_err(|error| TruthError::unreadable(folder, error))?;
     let paths = entries.filter_map(|entry| {
         let entry = entry.ok()?;
         let name = entry.file_name().into_string().ok()?;
@@ -519,7 +519,7 @@ fn temporal_roi(path: &Path) -> Result<(u32, u32), TruthError> {
     if !path.is_file() {
         return Ok((0, u32::MAX));
     }
-    let text = std::fs::read_to_string(path).map_err(|error| TruthError::new(path, error))?;
+    let text = std::fs::read_to_string(path).map_err(|error| TruthError::unreadable(path, error))?;
     let mut ends = text.split_whitespace().map(str::parse);
     match (ends.next(), ends.next()) {
         (Some(Ok(first)), Some(Ok(last))) => Ok((first, last)),

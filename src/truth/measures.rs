@@ -160,6 +160,28 @@ pub struct Measures {
 }
 
 impl Measures {
+    /// Whether every value is one that the measure can have, which a file can violate.
+    pub fn is_possible(&self) -> bool {
+        const ROUNDING: f64 = 1e-9;
+        let is_share = |share: f64| (-ROUNDING..=1.0 + ROUNDING).contains(&share);
+        let of_masks = self.masks.is_none_or(|masks| {
+            let MaskMeasures { f, precision, recall, pwc, specificity, fpr, fnr } = masks;
+            [f, precision, recall, pwc / 100.0, specificity, fpr, fnr].into_iter().all(is_share)
+        });
+        let of_tracks =
+            self.tracks.is_none_or(|TrackMeasures { mota, idf1, hota, identities_kept, .. }| {
+                let Hota { hota, deta, assa, loca } = hota;
+                mota.is_finite()
+                    && mota <= 1.0 + ROUNDING
+                    && [idf1, hota, deta, assa, loca].into_iter().chain(identities_kept).all(is_share)
+            });
+        let of_episodes =
+            self.episodes.is_none_or(|EpisodeMeasures { episode_recall, episode_precision }| {
+                is_share(episode_recall) && is_share(episode_precision)
+            });
+        of_masks && of_tracks && of_episodes
+    }
+
     /// Whether they are those that ground truth with masks, with tracks or with both permits.
     pub fn is_of(&self, masks: bool, tracks: bool) -> bool {
         self.masks.is_some() == masks && self.tracks.is_some() == tracks

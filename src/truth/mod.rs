@@ -57,6 +57,11 @@ impl TruthError {
         let why = why.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
         Self { path: path.to_owned(), why }
     }
+
+    #[allow(clippy::needless_pass_by_value, reason = "fits `map_err`")]
+    fn unreadable(path: &Path, error: std::io::Error) -> Self {
+        Self::new(path, format!("{error}; check its path and permissions"))
+    }
 }
 
 /// The kind of ground truth at a path.

@@ -20,18 +20,15 @@ use crate::frame::Mask;
 use crate::panic_message::message;
 use crate::regions::Roi;
 use crate::settings::Settings;
-use crate::source::SceneFolder;
+use crate::source::{SceneFolder, VIDEO_ENDINGS, path_of};
 use crate::truth::Truth;
 use crate::truth::external::ExternalResults;
 
 /// Minimum time in which a user can cancel a dialog. A dialog that ends sooner was never shown.
 const MIN_DIALOG_DURATION: Duration = Duration::from_millis(250);
 
-/// The endings of the names of videos that the dialog lists.
-const VIDEO_ENDINGS: [&str; 20] = [
-    "mp4", "avi", "mkv", "mov", "webm", "m4v", "mpg", "mpeg", "ogv", "mts", "m2ts", "ts", "3gp", "wmv",
-    "flv", "y4m", "mxf", "gif", "tif", "tiff",
-];
+/// The endings of the names of other files than videos that are a source.
+const FURTHER_ENDINGS: [&str; 3] = ["gif", "tif", "tiff"];
 
 /// The endings of the names of files of tracks that the dialogs list.
 const TRACK_ENDINGS: [&str; 4] = ["txt", "csv", "xml", "json"];
@@ -95,7 +92,8 @@ impl Dialogs {
     pub(crate) fn video(&mut self, ctx: &Context) {
         self.ask(ctx, || {
             let dialog = FileDialog::new().set_title("Open video");
-            with_filter(dialog, "Video", &VIDEO_ENDINGS).pick_file().map(DialogResult::Open)
+            let endings = [&VIDEO_ENDINGS[..], &FURTHER_ENDINGS].concat();
+            with_filter(dialog, "Video", &endings).pick_file().map(DialogResult::Open)
         });
     }
 
@@ -190,7 +188,7 @@ impl Dialogs {
     pub(crate) fn find_truth(&mut self, ctx: &Context, name: &str) {
         let name = name.to_owned();
         self.run(ctx, move || {
-            let truth = SceneFolder::at(Path::new(&name)).and_then(|scene| scene.truth);
+            let truth = SceneFolder::at(&path_of(&name)).and_then(|scene| scene.truth);
             DialogResult::TruthOffered(name, truth)
         });
     }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::app::model::marks::Marks;
-use crate::source::Options;
+use crate::source::{Options, name_of, path_of};
 
 /// Maximum number of recent videos.
 const MAX_RECENT_VIDEOS: usize = 10;
@@ -105,8 +105,8 @@ impl Videos {
         self.origin = Origin::Listed;
         let Some(name) = self.opened.as_ref().filter(|_| !live) else { return };
         // A relative name from the command line depends on the working directory.
-        let whole = std::path::absolute(name).ok().filter(|path| path.exists());
-        let name = whole.map_or_else(|| name.clone(), |path| path.to_string_lossy().into_owned());
+        let whole = std::path::absolute(path_of(name)).ok().filter(|path| path.exists());
+        let name = whole.map_or_else(|| name.clone(), name_of);
         self.recent.retain(|other| *other != name);
         self.recent.insert(0, name);
         self.recent.truncate(MAX_RECENT_VIDEOS);

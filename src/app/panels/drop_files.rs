@@ -9,23 +9,23 @@ use crate::app::model::Model;
 use crate::app::model::opened_sweep::TABLE_NAME;
 use crate::app::theme;
 use crate::replay::Start;
-use crate::source::SceneFolder;
+use crate::source::{SceneFolder, name_of, path_of};
 use crate::truth::TruthSource;
 
 /// Shows a hint while files are dragged over the window, and opens dropped files and folders. Dropped ground truth is
 /// loaded for the open video.
 pub(crate) fn ui(ctx: &Context, model: &Model, commands: &mut Vec<Command>) {
     let (hovered, dropped) = ctx.input(|input| {
-        let path = input.raw.dropped_files.first().map(|file| file.path().to_string_lossy().into_owned());
+        let path = input.raw.dropped_files.first().map(|file| file.path().to_owned());
         (!input.raw.hovered_files.is_empty(), path)
     });
-    if let Some(path) = dropped.filter(|path| !path.is_empty()) {
-        if is_sweep(Path::new(&path)) {
-            commands.push(Command::ReadSweep(path.into()));
-        } else if model.worker.shown().is_some() && is_truth_for(Path::new(&path), model) {
-            commands.push(Command::ReadTruth(path.into()));
+    if let Some(path) = dropped.filter(|path| !path.as_os_str().is_empty()) {
+        if is_sweep(&path) {
+            commands.push(Command::ReadSweep(path));
+        } else if model.worker.shown().is_some() && is_truth_for(&path, model) {
+            commands.push(Command::ReadTruth(path));
         } else {
-            commands.push(Command::Open(path, Start::First));
+            commands.push(Command::Open(name_of(path), Start::First));
         }
     }
     if hovered {
@@ -53,7 +53,7 @@ fn is_sweep(path: &Path) -> bool {
 /// unless the open video is in it.
 fn is_truth_for(path: &Path, model: &Model) -> bool {
     if path.is_dir() {
-        let is_opened = || model.videos.opened.as_ref().is_some_and(|name| Path::new(name).starts_with(path));
+        let is_opened = || model.videos.opened.as_ref().is_some_and(|name| path_of(name).starts_with(path));
         return TruthSource::of(path).is_ok() && (is_opened() || SceneFolder::at(path).is_none());
     }
     let ending = path.extension().unwrap_or_default();

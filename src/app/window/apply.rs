@@ -21,7 +21,7 @@ use crate::app::window::Window;
 use crate::mixture::Quantity;
 use crate::regions::Roi;
 use crate::replay::Start;
-use crate::source::Options;
+use crate::source::{Options, name_of};
 
 impl Window {
     /// Executes a command.
@@ -193,7 +193,7 @@ impl Window {
     fn open_sample(&mut self, ctx: &Context) {
         match sample::unpacked() {
             Ok(path) => {
-                self.open(ctx, &path.to_string_lossy(), Start::FirstOcclusion);
+                self.open(ctx, &name_of(path), Start::FirstOcclusion);
                 self.model.videos.origin = Origin::Sample;
                 self.model.choose_pixel(Some(sample::SAMPLE_PIXEL));
             }

@@ -13,6 +13,7 @@ use crate::app::model::view::View;
 use crate::app::views;
 use crate::app::window::Window;
 use crate::replay::Start;
+use crate::source::name_of;
 use crate::truth::Truth;
 use crate::truth::external::ExternalResults;
 
@@ -21,7 +22,7 @@ impl Window {
     pub(in crate::app) fn handle_result(&mut self, ctx: &Context, result: DialogResult) {
         match result {
             DialogResult::Open(path) => {
-                self.apply(ctx, Command::Open(path.to_string_lossy().into_owned(), Start::First));
+                self.apply(ctx, Command::Open(name_of(path), Start::First));
             }
             DialogResult::Plot(Ok(picture)) => {
                 ctx.copy_image(picture);

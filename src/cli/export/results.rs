@@ -15,6 +15,9 @@ use crate::frame::Size;
 use crate::source::Options;
 use crate::truth::analysed_frames::AnalysedFrames;
 
+/// Largest number of frames that is believed of a summary, a month at 25 per second: their numbers are kept in memory.
+const MAX_FRAMES: u32 = 1 << 26;
+
 /// What is read of `summary.json`.
 #[derive(Deserialize)]
 struct Summary {
@@ -35,9 +38,6 @@ struct Input {
     options: Options,
 }
 
-/// Largest number of frames, a month at 25 per second: their numbers are kept in memory.
-const MOST_FRAMES: u32 = 1 << 26;
-
 /// The tracks of a results folder, for a tool whose first frame has the number `first`. Notes if not all frames are
 /// known.
 pub(super) fn read(folder: &Path, first: u32, console: Console) -> anyhow::Result<TrackTable> {
@@ -54,13 +54,8 @@ pub(super) fn read(folder: &Path, first: u32, console: Console) -> anyhow::Resul
             input.first_frame
         );
     }
-    if input.frames > MOST_FRAMES {
-        bail!(
-            "{}: {} frames are more than {MOST_FRAMES}, the most that a table can hold; repeat the run on a part of \
-             the video",
-            summary.display(),
-            input.frames
-        );
+    if input.frames > MAX_FRAMES || !input.options.is_valid() {
+        bail!("{} has numbers that no run has; repeat the run", summary.display());
     }
     let tracks = folder.join("tracks.json");
     let mut boxes: Vec<TrackBox> = json(&tracks)?;

@@ -3,14 +3,14 @@
 use std::fs::File;
 use std::io::{self, Read};
 use std::panic::resume_unwind;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::thread::{self, JoinHandle};
 
 use anyhow::Context as _;
 use sha2::{Digest, Sha256};
 
 use super::record::RunRecord;
-use crate::source::SourceInfo;
+use crate::source::{SourceInfo, path_of};
 
 /// The hash of a video file, computed on a thread of its own. Images are hashed as they are decoded, a camera is not.
 pub(super) struct InputHash {
@@ -23,7 +23,7 @@ impl InputHash {
     pub(super) fn start(video: &str) -> Self {
         let hash =
             |path: PathBuf| thread::Builder::new().name("hash".to_owned()).spawn(|| hash_of_file(path));
-        let of_file = Path::new(video).is_file().then(|| PathBuf::from(video));
+        let of_file = Some(path_of(video).into_owned()).filter(|path| path.is_file());
         Self { video: video.to_owned(), of_file: of_file.and_then(|path| hash(path).ok()) }
     }
 
@@ -31,13 +31,16 @@ impl InputHash {
     pub(super) fn finish(self, record: &RunRecord) -> anyhow::Result<Option<String>> {
         let Some(of_file) = self.of_file else { return Ok(record.frames_hash.clone()) };
         let hash = of_file.join().unwrap_or_else(|panic| resume_unwind(panic));
-        Ok(Some(hash.with_context(|| format!("{} cannot be read", self.video))?))
+        let hash = hash.with_context(|| {
+            format!("{} cannot be read to its end; check that it is still there", self.video)
+        })?;
+        Ok(Some(hash))
     }
 }
 
 /// Whether frames come from a folder or a pattern of images.
 pub(super) fn is_images(info: &SourceInfo) -> bool {
-    !info.live && !Path::new(&info.name).is_file()
+    !info.live && !path_of(&info.name).is_file()
 }
 
 /// The digits of a hash.

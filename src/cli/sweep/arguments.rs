@@ -1,6 +1,6 @@
 //! The definition of the subcommand, and its arguments.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::{Context as _, bail};
@@ -11,7 +11,7 @@ use crate::cli::flags::{self, FrameRange, UsageError};
 use crate::cli::source_flags;
 use crate::regions::Roi;
 use crate::settings::Settings;
-use crate::source::Options;
+use crate::source::{Options, path_of};
 use crate::sweep::data_set::{self, Sequence};
 use crate::sweep::grid::{Axis, Grid, GridError};
 use crate::truth::measures::{self, MeasureColumn, OBJECTIVE};
@@ -46,6 +46,7 @@ pub fn command() -> Command {
             Arg::new("sequence")
                 .long("sequence")
                 .value_names(["NAME", "VIDEO", "TRUTH"])
+                .value_parser(flags::source_name())
                 .num_args(3)
                 .action(ArgAction::Append)
                 .help("A sequence with its ground truth; repeat it for several"),
@@ -135,18 +136,20 @@ fn sequences(matches: &ArgMatches) -> anyhow::Result<Vec<Sequence>> {
     let named: Vec<&String> = matches.get_many("sequence").into_iter().flatten().collect();
     let sequences = match (video, truth, root, named.is_empty()) {
         (Some(video), Some(truth), None, true) => {
-            let name =
-                Path::new(video).file_stem().map_or(video.as_str().into(), |stem| stem.to_string_lossy());
-            vec![Sequence { name: name.into_owned(), video: video.clone(), truth: truth.clone() }]
+            let path = path_of(video);
+            let name = data_set::sequence_name(path.file_stem().unwrap_or(path.as_os_str()));
+            vec![Sequence { name, video: video.clone(), truth: truth.clone() }]
         }
         (None, None, Some(root), true) => {
-            let found = data_set::sequences_below(root)
-                .with_context(|| format!("{} cannot be read", root.display()))?;
-            if !found.incomplete.is_empty() {
+            let found = data_set::sequences_below(root).with_context(|| {
+                format!("{} cannot be read; check its path and permissions", root.display())
+            })?;
+            for (why, names) in &found.left_out {
                 Console::new(matches).note(&format!(
-                    "warning: {} has images without ground truth, or the reverse, in {}; they are left out",
+                    "warning: {} below {} left out: {}",
+                    names.join(", "),
                     root.display(),
-                    found.incomplete.join(", ")
+                    why.text()
                 ));
             }
             if found.sequences.is_empty() {
@@ -160,7 +163,11 @@ fn sequences(matches: &ArgMatches) -> anyhow::Result<Vec<Sequence>> {
         }
         (None, None, None, false) => named
             .chunks_exact(3)
-            .map(|of| Sequence { name: of[0].clone(), video: of[1].clone(), truth: PathBuf::from(of[2]) })
+            .map(|of| Sequence {
+                name: of[0].clone(),
+                video: of[1].clone(),
+                truth: path_of(of[2]).into_owned(),
+            })
             .collect(),
         _ => {
             return Err(UsageError(

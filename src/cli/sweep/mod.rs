@@ -45,14 +45,16 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let combinations: Combinations = (0..job.grid.combinations())
         .map(|at| Ok((at, job.grid.settings(&job.base, at)?)))
         .collect::<anyhow::Result<_>>()?;
-    let sequences: Vec<OpenedSequence> =
-        job.sequences.iter().map(|sequence| OpenedSequence::new(sequence, &job)).collect::<Result<_, _>>()?;
+    let (sequences, failures) = open_sequences(&job)?;
     check_measure(&job, &sequences)?;
     if job.roi.is_some() {
         job.console
             .note("note: ground truth outside the region of interest counts as missed; --crop leaves it out");
     }
     let results = job.results.as_ref().map(|folder| RunResults::below(folder)).transpose()?;
+    for why in results.iter().flat_map(|results| &results.unusable) {
+        job.console.note(&format!("warning: {why}; its row is computed"));
+    }
     let staging = Staging::new(&job.out)?;
     staging.check(output::TARGETS.map(|(name, is_folder)| (Path::new(name), is_folder)))?;
     let log = RowLog::open(&job.out)?;
@@ -65,7 +67,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
         },
         missing: Vec::new(),
         frames: BTreeMap::new(),
-        failures: Vec::new(),
+        failures,
         checked: BTreeSet::new(),
         job: &job,
         sequences: &sequences,
@@ -83,6 +85,31 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
         [only] => bail!("{only}; what depends on it is missing"),
         [first, others @ ..] => {
             bail!("{first}; what depends on it is missing, and {} more failed", others.len())
+        }
+    }
+}
+
+/// Opens the sequences; returns with them why others cannot be. Fails where none can.
+fn open_sequences(job: &SweepJob) -> anyhow::Result<(Vec<OpenedSequence>, Vec<String>)> {
+    let (mut opened, mut failures, mut first) = (Vec::new(), Vec::new(), None);
+    for sequence in &job.sequences {
+        match OpenedSequence::new(sequence, job) {
+            Ok(sequence) => opened.push(sequence),
+            Err(error) => {
+                failures.push(format!("{}: {error:#}", sequence.name));
+                first.get_or_insert(error);
+            }
+        }
+    }
+    match first {
+        Some(error) if opened.is_empty() => {
+            Err(if failures.len() == 1 { error } else { error.context("no sequence can be opened") })
+        }
+        _ => {
+            for failure in &failures {
+                job.console.note(&format!("warning: {failure}"));
+            }
+            Ok((opened, failures))
         }
     }
 }

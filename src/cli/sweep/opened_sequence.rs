@@ -12,7 +12,7 @@ use super::arguments::SweepJob;
 use crate::cli::run::hexadecimal;
 use crate::regions::Roi;
 use crate::settings::Settings;
-use crate::source::{self, SourceInfo};
+use crate::source::{self, SourceInfo, path_of};
 use crate::sweep::data_set::Sequence;
 use crate::sweep::pass::{ScoredKinds, settings_up_to};
 use crate::sweep::scoring;
@@ -71,7 +71,7 @@ impl OpenedSequence {
             identity,
             changed,
             kinds: scoring::scored_kinds(&truth),
-            real_paths: [Path::new(&video), &truth_path].map(real_path),
+            real_paths: [&*path_of(&video), &truth_path].map(real_path),
             name,
             video,
             truth,
@@ -100,7 +100,7 @@ pub(super) fn hash_of_roi(roi: &Roi) -> String {
 fn identity(video: &str, truth: &Path, job: &SweepJob) -> anyhow::Result<(String, [SystemTime; 2])> {
     let mut files = FileList { text: String::new(), newest: UNIX_EPOCH, left_out: real_path(&job.out) };
     let mut changed = [UNIX_EPOCH; 2];
-    for (path, changed) in [Path::new(video), truth].into_iter().zip(&mut changed) {
+    for (path, changed) in [&*path_of(video), truth].into_iter().zip(&mut changed) {
         let _ = writeln!(files.text, "{}", path.display());
         files.newest = UNIX_EPOCH;
         files.add_input(path)?;
@@ -143,7 +143,7 @@ impl FileList {
 
     fn add(&mut self, path: &Path, depth: u32) -> anyhow::Result<()> {
         const MAX_DEPTH: u32 = 3;
-        let unreadable = || format!("{} cannot be read", path.display());
+        let unreadable = || format!("{} cannot be read; check its permissions", path.display());
         let metadata = fs::metadata(path).with_context(unreadable)?;
         if metadata.is_dir() {
             if depth >= MAX_DEPTH || real_path(path) == self.left_out {

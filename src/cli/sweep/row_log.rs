@@ -30,6 +30,12 @@ pub(super) struct LoggedRow {
     pub measures: Measures,
 }
 
+impl LoggedRow {
+    fn is_possible(&self) -> bool {
+        self.measures.is_possible() && self.seconds.is_finite() && self.seconds >= 0.0
+    }
+}
+
 /// The complete rows in the file of an output folder, which is locked against other sweeps.
 pub(super) struct RowLog {
     rows: HashMap<String, LoggedRow>,
@@ -40,8 +46,8 @@ pub(super) struct RowLog {
 }
 
 impl RowLog {
-    /// Reads the rows in `folder`, which must exist. A foreign line is no row, and a cut one at the end is removed: it is
-    /// computed again. Fails where another sweep writes rows there. All errors name the file.
+    /// Reads the rows in `folder`, which must exist. A foreign or impossible line is no row, and a cut one at the end is
+    /// removed: it is computed again. Fails where another sweep writes rows there. All errors name the file.
     pub(super) fn open(folder: &Path) -> anyhow::Result<Self> {
         let path = folder.join(FILE);
         let failed = |error| told(&path, error);
@@ -66,6 +72,7 @@ impl RowLog {
         let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
         let lines = bytes[..whole].split(|&byte| byte == b'\n');
         let rows = lines.filter_map(|line| serde_json::from_slice::<LoggedRow>(line).ok());
+        let rows = rows.filter(LoggedRow::is_possible);
         let rows = rows.map(|row| (row.key.clone(), row)).collect();
         let log = Self { rows, path, file, length: whole as u64 };
         if whole < bytes.len() {
@@ -161,5 +168,31 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         drop(RowLog::open(folder.path()).unwrap());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn a_row_that_cannot_be_is_none() {
+        let folder = tempfile::tempdir().unwrap();
+        let masks = MaskMeasures { f: 0.5, pwc: 12.5, ..MaskMeasures::default() };
+        let measures = Measures { masks: Some(masks), ..Measures::default() };
+        let row = |key: &str| (key.to_owned(), "a".to_owned(), "k=3".to_owned(), 1.25, measures);
+        RowLog::open(folder.path()).unwrap().add([row("one")]).unwrap();
+        let log = fs::read_to_string(folder.path().join(FILE)).unwrap();
+        for (from, to) in [
+            ("0.5", "5.0"),
+            ("0.5", "-0.5"),
+            ("12.5", "101"),
+            ("1.25", "-1"),
+            ("0.5", "\"0.5\""),
+            ("0.5", "1e999"),
+            ("0.5", "null"),
+        ] {
+            assert!(log.contains(from));
+            fs::write(folder.path().join(FILE), log.replacen(from, to, 1)).unwrap();
+            let kept = RowLog::open(folder.path()).unwrap();
+            assert!(kept.row("one").is_none_or(|row| row.measures.masks.is_none()), "{from} as {to}");
+        }
+        fs::write(folder.path().join(FILE), log).unwrap();
+        assert!(RowLog::open(folder.path()).unwrap().row("one").is_some());
     }
 }

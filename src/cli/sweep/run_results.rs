@@ -13,7 +13,7 @@ use super::opened_sequence::{OpenedSequence, hash_of_roi, real_path};
 use crate::cli::score::hash_of_summary;
 use crate::regions::Roi;
 use crate::settings::{Settings, Stage};
-use crate::source::Options;
+use crate::source::{Options, path_of};
 use crate::sweep::pass::settings_up_to;
 use crate::truth::measures::Measures;
 
@@ -28,6 +28,8 @@ pub(super) struct RunResults {
     rows: HashMap<String, ScoredRun>,
     /// Number of scored runs that were found.
     pub count: usize,
+    /// Why others cannot be used, a sentence each.
+    pub unusable: Vec<String>,
 }
 
 /// A run that was scored.
@@ -65,7 +67,7 @@ struct Timing {
 struct Score {
     #[serde(flatten)]
     measures: Measures,
-    truth_path: PathBuf,
+    truth_path: String,
     #[serde(default)]
     offset: i64,
     #[serde(default)]
@@ -73,9 +75,9 @@ struct Score {
 }
 
 impl RunResults {
-    /// Reads the scored runs below `folder`. Fails if a file of one cannot be read.
+    /// Reads the scored runs below `folder`. Fails if it cannot be read; a run or a folder below that cannot is left out.
     pub(super) fn below(folder: &Path) -> anyhow::Result<Self> {
-        let mut results = Self { rows: HashMap::new(), count: 0 };
+        let mut results = Self { rows: HashMap::new(), count: 0, unusable: Vec::new() };
         results.search(folder, 0)?;
         Ok(results)
     }
@@ -87,10 +89,14 @@ impl RunResults {
             self.count += 1;
             return Ok(());
         }
-        let entries = fs::read_dir(folder).with_context(|| format!("{} cannot be read", folder.display()))?;
-        for path in entries.flatten().map(|entry| entry.path()) {
-            if depth < MAX_DEPTH && path.is_dir() {
-                self.search(&path, depth + 1)?;
+        let unreadable = || format!("{} cannot be read; check its permissions", folder.display());
+        let entries = fs::read_dir(folder).with_context(unreadable)?;
+        let mut folders: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+        folders.retain(|path| depth < MAX_DEPTH && path.is_dir());
+        folders.sort();
+        for path in folders {
+            if let Err(error) = self.search(&path, depth + 1) {
+                self.unusable.push(format!("{error:#}"));
             }
         }
         Ok(())
@@ -132,7 +138,8 @@ fn key(version: &str, [video, truth]: &[PathBuf; 2], conditions: &Conditions, se
 fn read(folder: &Path) -> anyhow::Result<(String, ScoredRun)> {
     let text = |name: &str| {
         let path = folder.join(name);
-        fs::read_to_string(&path).with_context(|| format!("{} cannot be read", path.display()))
+        fs::read_to_string(&path)
+            .with_context(|| format!("{} cannot be read; check its permissions", path.display()))
     };
     let damaged =
         |name: &str| format!("{} is not from this program; run and score again", folder.join(name).display());
@@ -142,6 +149,9 @@ fn read(folder: &Path) -> anyhow::Result<(String, ScoredRun)> {
     if score.summary_sha256 != hash_of_summary(folder) {
         bail!("{} is not of the run in its folder; score again", folder.join(SCORE).display());
     }
+    if !score.measures.is_possible() || !summary.timing.seconds.is_finite() {
+        bail!("{} has measures that cannot be; score again", folder.join(SCORE).display());
+    }
     let mut settings = Settings::default();
     settings.apply_toml(&text("settings.toml")?, &folder.join("settings.toml"))?;
     let Summary { version, input, analysed_share, timing } = summary;
@@ -149,7 +159,7 @@ fn read(folder: &Path) -> anyhow::Result<(String, ScoredRun)> {
     let roi = analysed_share.map(|_| Roi::read(&folder.join("roi.png"))).transpose()?;
     let conditions = (input.options, input.range, score.offset, roi.as_ref().map(hash_of_roi));
     let settings = settings_up_to(&settings, last);
-    let paths = [Path::new(&input.path), &score.truth_path].map(real_path);
+    let paths = [&*path_of(&input.path), &*path_of(&score.truth_path)].map(real_path);
     let key = key(&version, &paths, &conditions, &settings);
     let written = |name: &str| {
         let time = fs::metadata(folder.join(name)).and_then(|metadata| metadata.modified());

@@ -6,7 +6,7 @@ use std::time::SystemTime;
 use std::{fs, io};
 
 use crate::libav;
-use crate::source::Options;
+use crate::source::{Options, path_of};
 
 /// The schemes of addresses, with the protocols that FFmpeg may use for them. Files are not among them: what a server
 /// sends must not name files of this machine.
@@ -70,7 +70,7 @@ impl InputFile {
             let (scheme, rest) = name.split_once(':').unwrap_or_default();
             Place::Address(format!("{}:{rest}", scheme.to_lowercase()))
         } else {
-            let path = fs::canonicalize(name)?;
+            let path = fs::canonicalize(path_of(name))?;
             let version = version(&path);
             Place::File(path, version)
         };

@@ -94,7 +94,10 @@ impl IndexedReader {
             return Ok(());
         }
         self.rewind();
-        let open = OpenVideo::new(&self.file, threads).map_err(|failure| failure.of(&self.name))?;
+        let open = OpenVideo::new(&self.file, threads).map_err(|failure| {
+            // One that is gone cannot be opened, either.
+            if self.file.is_unchanged() { failure.of(&self.name) } else { SourceError::changed(&self.name) }
+        })?;
         if open.converter.size() != Some(self.size) {
             return Err(SourceError::changed(&self.name));
         }

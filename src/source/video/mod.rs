@@ -11,6 +11,7 @@ mod file;
 mod index;
 mod indexed;
 mod info;
+mod playlist;
 mod progress;
 mod raw;
 mod reader;
@@ -94,6 +95,8 @@ pub(super) struct Video {
     converter: Converter,
     progress: Progress,
     times: PresentationTimes,
+    /// Number of parts of streams that are known to be missing.
+    missed_parts: u64,
     is_over: bool,
     warnings: Vec<String>,
 }
@@ -101,16 +104,17 @@ pub(super) struct Video {
 impl Video {
     /// Opens a video file or network stream.
     pub(super) fn open(name: &str, options: Options) -> Result<Self, SourceError> {
-        if !is_address(name) {
-            check::check_file(name)?;
-        }
+        let warning = if is_address(name) { None } else { check::check_file(name)? };
         let file = InputFile::new(name, options)
             .map_err(|error| SourceError::unusable(name, format!("{error}; check the path")))?;
         let shown = without_credentials(name);
-        Self::open_file(&shown, file, options).map_err(|failure| failure.of(&shown))
+        let mut video = Self::open_file(&shown, file, options).map_err(|failure| failure.of(&shown))?;
+        video.warnings.extend(warning);
+        Ok(video)
     }
 
     fn open_file(name: &str, file: InputFile, options: Options) -> Result<Self, Failure> {
+        let missed_parts = raw::missed_parts();
         let mut reader = SequentialReader::open(&file)?;
         let mut converter = Converter::new(reader.reader().info().display_matrix, file.deinterlace);
         let first = converter.prepare(|| reader.next())?.ok_or(Failure::NoFrame)?;
@@ -141,13 +145,20 @@ impl Video {
         let warnings = opening_warnings(name, stream, &first, options);
         let knows_interlaced = options.deinterlace || stream.is_interlaced;
         let progress = Progress::new(knows_interlaced);
-        Ok(Self { info, file, reader, converter, progress, times, is_over: false, warnings })
+        Ok(Self { info, file, reader, converter, progress, times, missed_parts, is_over: false, warnings })
     }
 }
 
 impl Video {
     /// Notes the next picture, or the end. Returns the picture's time in seconds.
     fn pass(&mut self, picture: Option<&PictureInfo>) -> Option<f64> {
+        let missed = raw::missed_parts();
+        if self.info.live && missed > std::mem::replace(&mut self.missed_parts, missed) {
+            self.warnings.push(format!(
+                "{} lacks a part after frame {}, which its server does not give; its frames are missing",
+                self.info.name, self.progress.frames
+            ));
+        }
         let Some(picture) = picture else {
             self.is_over = true;
             self.warnings.extend(self.progress.at_end(&self.info, self.reader.reader()));

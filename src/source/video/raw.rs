@@ -4,7 +4,7 @@
 #![expect(unsafe_code, reason = "the crate has no safe access to these numbers and to the log")]
 
 use std::cell::Cell;
-use std::ffi::{c_char, c_int, c_void};
+use std::ffi::{CStr, c_char, c_int, c_void};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use ffmpeg::ffi::{AV_LOG_ERROR, AVDiscard, av_log_set_callback};
@@ -80,6 +80,12 @@ pub(super) fn select_stream(input: &mut Input, selected: usize) {
 /// Number of errors that FFmpeg reported in this process.
 static REPORTED_ERRORS: AtomicU64 = AtomicU64::new(0);
 
+/// Number of parts of streams that FFmpeg could not open in this process.
+static MISSED_PARTS: AtomicU64 = AtomicU64::new(0);
+
+/// The start of FFmpeg's message of such a part, which is no error.
+const MISSED_PART: &[u8] = b"Failed to open segment";
+
 thread_local! {
     /// Number of errors that FFmpeg reported on this thread.
     static REPORTED_ERRORS_HERE: Cell<u64> = const { Cell::new(0) };
@@ -96,19 +102,29 @@ pub(super) fn reported_errors_here() -> u64 {
     REPORTED_ERRORS_HERE.get()
 }
 
+/// Number of parts of streams (HLS) that could not be opened in this process, since [`count_reported_errors`] was called.
+/// FFmpeg goes on with the next one.
+pub(super) fn missed_parts() -> u64 {
+    MISSED_PARTS.load(Ordering::SeqCst)
+}
+
 /// Counts FFmpeg's error messages from now on; they are not printed. OpenCV may end this when it opens a file.
 pub(super) fn count_reported_errors() {
-    // SAFETY: FFmpeg lets the callback be set at any time; it may be called from any thread, and `count` only changes
-    // an atomic number and one of its thread.
+    // SAFETY: FFmpeg lets the callback be set at any time; it may be called from any thread, and `count` only reads the
+    // format and changes atomic numbers and one of its thread.
     unsafe { av_log_set_callback(Some(count)) };
 }
 
 /// The type of the last argument, the values of a message, depends on the platform.
-unsafe extern "C" fn count<Values>(_: *mut c_void, level: c_int, _: *const c_char, _: Values) {
+unsafe extern "C" fn count<Values>(_: *mut c_void, level: c_int, format: *const c_char, _: Values) {
     // The upper bits are a colour.
     if level & 0xff <= AV_LOG_ERROR as c_int {
         REPORTED_ERRORS.fetch_add(1, Ordering::SeqCst);
         // A thread that ends has none any more.
         let _ = REPORTED_ERRORS_HERE.try_with(|errors| errors.set(errors.get() + 1));
+    }
+    // SAFETY: a format is a string that lasts for the call.
+    if !format.is_null() && unsafe { CStr::from_ptr(format) }.to_bytes().starts_with(MISSED_PART) {
+        MISSED_PARTS.fetch_add(1, Ordering::SeqCst);
     }
 }

@@ -73,7 +73,7 @@ pub fn read(path: &Path, role: Role) -> Result<TrackFile, TruthError> {
     if path.is_dir() {
         return label_images::read(path);
     }
-    let bytes = fs::read(path).map_err(|error| TruthError::new(path, error))?;
+    let bytes = fs::read(path).map_err(|error| TruthError::unreadable(path, error))?;
     let text = text_of(&bytes).map_err(|why| TruthError::new(path, why))?;
     match text.trim_start().chars().next() {
         Some('<') => read_xml(&text),
@@ -102,6 +102,12 @@ fn text_of(bytes: &[u8]) -> Result<String, &'static str> {
 }
 
 fn read_xml(text: &str) -> Result<TrackFile, String> {
+    // The parser calls itself for each element within another.
+    if depth(text) > MAX_DEPTH {
+        return Err(format!(
+            "its XML has more than {MAX_DEPTH} elements within each other; check that it is complete"
+        ));
+    }
     let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
     let document = Document::parse_with_options(text.trim_start(), options)
         .map_err(|error| format!("its XML is damaged: {error}"))?;
@@ -113,6 +119,42 @@ fn read_xml(text: &str) -> Result<TrackFile, String> {
             "unknown XML, whose root is <{other}>; use CVAT for video 1.1 (<annotations>) or CAVIAR's CVML (<dataset>)"
         )),
     }
+}
+
+/// Largest number of XML elements within each other; the formats have up to eight.
+const MAX_DEPTH: usize = 100;
+
+/// An upper bound of the number of elements within each other in an XML text.
+fn depth(mut text: &str) -> usize {
+    let (mut depth, mut deepest) = (0_usize, 0);
+    while let Some(at) = text.find('<') {
+        text = &text[at + 1..];
+        let behind = |end: &str| text.find(end).map_or("", |at| &text[at + end.len()..]);
+        if text.starts_with("!--") {
+            text = behind("-->");
+        } else if text.starts_with("![CDATA[") {
+            text = behind("]]>");
+        } else if text.starts_with('/') {
+            depth = depth.saturating_sub(1);
+        } else if !text.starts_with(['!', '?']) {
+            let mut quote = None;
+            let end = text.find(|c: char| {
+                match quote {
+                    Some(open) if c == open => quote = None,
+                    None if matches!(c, '"' | '\'') => quote = Some(c),
+                    _ => {}
+                }
+                c == '>' && quote.is_none()
+            });
+            let tag = &text[..end.unwrap_or(text.len())];
+            if !tag.ends_with('/') {
+                depth += 1;
+                deepest = deepest.max(depth);
+            }
+            text = &text[tag.len()..];
+        }
+    }
+    deepest
 }
 
 /// The number in an attribute of an element.
@@ -140,3 +182,22 @@ fn bounds(sides: [f64; 4]) -> Option<Bounds> {
 
 const IMPOSSIBLE_NUMBER: &str = "frame and id must be whole numbers from 0 to 4294967295";
 const IMPOSSIBLE_BOX: &str = "box sides must be finite, and width and height not negative";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_depth_of_elements_is_counted() {
+        for (text, expected) in [
+            ("", 0),
+            ("<a/>", 0),
+            ("<a><b x='1'/><c></c></a><a></a>", 2),
+            ("<?xml?><!-- <a><a> --><a x=\"</a><a>\"><b y='>'/><![CDATA[<a><a>]]></a>", 1),
+            ("<a><a", 2),
+            ("<", 1),
+        ] {
+            assert_eq!(depth(text), expected, "{text}");
+        }
+    }
+}
