@@ -16,7 +16,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use common::{TestFolder, text};
-use occluscope::export::{episodes_csv, events_jsonl, regions_csv, tracks_csv, tracks_json};
+use occluscope::export::tracks_json::TracksJson;
+use occluscope::export::{episodes_csv, events_jsonl, regions_csv, tracks_csv};
 use occluscope::frame::{Frame, Size};
 use occluscope::pipeline::{Analysis, OfflineResult, Pipeline, offline_result};
 use occluscope::registration::{CorrectionChoice, measure_all};
@@ -189,14 +190,23 @@ fn analyse(frames: &[Frame], settings: &Settings, fps: f32, batch: usize) -> Has
         rows: analysis.regions.iter().map(Into::into).collect(),
     };
     let rows: Vec<_> = analyses.iter().map(rows).collect();
+    let times: Vec<_> = tracks.iter().map(|frame| (frame.number, frame.time)).collect();
     let masks: Vec<u8> = analyses.iter().flat_map(|analysis| analysis.mask.data.clone()).collect();
     Hashes::from([
         ("masks".to_owned(), hash(masks)),
         ("background".to_owned(), hash(pipeline.background_image().unwrap())),
-        table("tracks.csv", |out| tracks_csv::write(out, &tracks)),
-        table("tracks.json", |out| tracks_json::write(out, &tracks)),
-        table("regions.csv", |out| regions_csv::write(out, &rows, &tracks)),
-        table("events.jsonl", |out| events_jsonl::write(out, &events, &tracks)),
+        table("tracks.csv", |out| tracks.iter().try_for_each(|frame| tracks_csv::write_frame(out, frame))),
+        table("tracks.json", |out| {
+            let mut json = TracksJson::new(out)?;
+            tracks.iter().try_for_each(|frame| json.write_frame(frame))?;
+            json.finish()
+        }),
+        table("regions.csv", |out| {
+            regions_csv::write_header(out)?;
+            let mut frames = rows.iter().zip(&tracks);
+            frames.try_for_each(|(rows, frame)| regions_csv::write_frame(out, rows, &frame.tracks))
+        }),
+        table("events.jsonl", |out| events_jsonl::write(out, &events, &times)),
         table("episodes.csv", |out| episodes_csv::write(out, &episodes)),
     ])
 }

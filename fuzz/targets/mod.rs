@@ -16,8 +16,11 @@ pub mod settings;
 pub mod tables;
 pub mod tracks;
 
+/// Runs the code under test on an input.
+pub type Target = fn(&[u8]);
+
 /// All targets by name.
-pub const ALL: [(&str, fn(&[u8])); 8] = [
+pub const ALL: [(&str, Target); 8] = [
     ("arguments", arguments::run),
     ("images", images::run),
     ("names", names::run),

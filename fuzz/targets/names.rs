@@ -83,7 +83,9 @@ fn read(name: &str) {
         }
     }
     let warnings = source.take_warnings();
-    warnings.iter().for_each(|warning| check_message(warning));
+    for warning in &warnings {
+        check_message(warning);
+    }
     assert!(numbers.is_sorted_by(|a, b| a < b), "{numbers:?}");
     assert!(times.iter().all(|time| time.is_finite()) && times.is_sorted_by(|a, b| a < b), "{times:?}");
     let distinct: BTreeSet<_> = numbers.iter().collect();

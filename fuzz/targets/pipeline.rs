@@ -3,7 +3,8 @@
 use std::collections::BTreeSet;
 use std::sync::{Arc, LazyLock};
 
-use occluscope::export::{episodes_csv, events_jsonl, tracks_csv, tracks_json};
+use occluscope::export::tracks_json::TracksJson;
+use occluscope::export::{episodes_csv, events_jsonl, tracks_csv};
 use occluscope::frame::{Frame, Mask, Size};
 use occluscope::occlusion::EventKind;
 use occluscope::pipeline::{Analysis, Pipeline, offline_result};
@@ -223,10 +224,17 @@ fn check_offline(input: &Input, (analyses, pipeline): &(Vec<Analysis>, Pipeline)
         assert!(episode.start <= episode.end && episode.objects.iter().all(|&id| id > 0), "{episode:?}");
     }
     let mut tables = Vec::new();
-    tracks_csv::write(&mut tables, &result.tracks).unwrap();
+    let times: Vec<_> = result.tracks.iter().map(|frame| (frame.number, frame.time)).collect();
     episodes_csv::write(&mut tables, &result.episodes).unwrap();
-    events_jsonl::write(&mut tables, &result.events, &result.tracks).unwrap();
-    tracks_json::write(&mut tables, &result.tracks).unwrap();
+    events_jsonl::write(&mut tables, &result.events, &times).unwrap();
+    for frame in &result.tracks {
+        tracks_csv::write_frame(&mut tables, frame).unwrap();
+    }
+    let mut json = TracksJson::new(&mut tables).unwrap();
+    for frame in &result.tracks {
+        json.write_frame(frame).unwrap();
+    }
+    json.finish().unwrap();
     // Who is in front is not always known.
     let tables = String::from_utf8(tables).unwrap().replace("\"front\":null", "");
     assert!(!tables.contains("NaN") && !tables.contains(",inf") && !tables.contains(":null"), "{tables}");

@@ -172,7 +172,7 @@ pub(super) fn decoded(video: &Path, settings: &Settings) -> (SourceInfo, Vec<Fra
 }
 
 fn decoded_with(video: &Path, options: &Options, settings: &Settings) -> (SourceInfo, Vec<Frame>, usize) {
-    let mut source = Registered::new(source::open(&name(video), options.clone()).unwrap());
+    let mut source = Registered::new(source::open(&name(video), *options).unwrap());
     let info = source.info().clone();
     let frames: Vec<_> = std::iter::from_fn(|| source.next_frame().unwrap()).collect();
     let learnt = frames.len().min(info.bootstrap(settings) as usize);

@@ -99,16 +99,16 @@ impl Work {
         let mut work = Self { name, arguments, before: Files::new(), after: Files::new() };
         let place = tempfile::tempdir().unwrap();
         fs::write(place.path().join("mine.txt"), "mine").unwrap();
-        work.run_plainly(earlier, place.path());
+        Self::run_plainly(earlier, place.path());
         work.before = files(place.path());
         let arguments = work.arguments.clone();
-        work.run_plainly(&arguments, place.path());
+        Self::run_plainly(&arguments, place.path());
         work.after = files(place.path());
         assert!(work.before.len() > 1 && hidden(&work.after).is_empty(), "{name}");
         work
     }
 
-    fn run_plainly(&self, arguments: &[String], folder: &Path) {
+    fn run_plainly(arguments: &[String], folder: &Path) {
         let arguments = filled(arguments, folder);
         works(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
     }

@@ -79,10 +79,10 @@ impl RandomUse {
                                      start: Start,
                                      ctx: &egui::Context|
                           -> Box<dyn Player> {
-                        *factory_opened.borrow_mut() = (name.to_owned(), options.clone());
+                        *factory_opened.borrow_mut() = (name.to_owned(), options);
                         let (ctx, analysis) = (ctx.clone(), AnalysisOptions { settings, roi });
                         Box::new(Session::open(name, options, analysis, start, Some(MEMORY), move || {
-                            ctx.request_repaint()
+                            ctx.request_repaint();
                         }))
                     };
                     let gpu = creation.wgpu_render_state.as_ref().unwrap();
@@ -172,12 +172,11 @@ impl RandomUse {
     }
 
     fn move_pointer(&mut self) {
-        let at = match self.random.random_bool(0.5) {
-            true => self.somewhere(),
-            false => {
-                self.pointer
-                    + Vec2::new(self.random.random_range(-20.0..20.0), self.random.random_range(-20.0..20.0))
-            }
+        let at = if self.random.random_bool(0.5) {
+            self.somewhere()
+        } else {
+            let near = -20.0..20.0;
+            self.pointer + Vec2::new(self.random.random_range(near.clone()), self.random.random_range(near))
         };
         self.point_at(at);
     }
@@ -293,7 +292,7 @@ impl RandomUse {
             self.step();
         }
         let in_view = Arc::clone(self.harness.state().model.worker.in_view.as_ref().unwrap());
-        let options = self.opened.borrow().1.clone();
+        let options = self.opened.borrow().1;
         let shown = &in_view.shown;
         let expected =
             replay::single_pass_of(self.files.scene.path(), &options, &shown.settings, shown.roi.as_ref());
