@@ -71,6 +71,7 @@ pub(crate) mod tests {
         let all: Vec<&Frame> = frames.iter().collect();
         pipeline.learn(&all[..20]).unwrap();
         let analyses = pipeline.step_many(&all).unwrap();
+        assert!(analyses.iter().any(|analysis| analysis.mask.foreground_pixels() > 0), "no foreground");
         let seen = analyses.iter().map(|analysis| format!("{analysis:?} {:?}", analysis.mask.data));
         let mixture = pipeline.mixture().unwrap();
         let pixels = (0..frames[0].size.width).map(|x| format!("{:?}", mixture.pixel(x, x % 64)));
@@ -94,7 +95,6 @@ pub(crate) mod tests {
                     results(&frames, &settings)
                 };
                 let best = of(None);
-                assert!(best.iter().any(|text| text.contains("255")), "{scene}: no foreground");
                 for level in all() {
                     assert!(of(Some(level)) == best, "{scene}: {level:?} differs");
                 }

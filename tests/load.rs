@@ -1,5 +1,4 @@
-//! Long videos, and frames full of regions: memory does not grow with the length of a video, and the cost of a frame
-//! does not grow with its mask.
+//! Long videos: memory hardly grows with their length, and any frame of a long record is reached.
 //!
 //! With `OCCLUSCOPE_LONG=1` the video has two hours of 720p, and the record a hundred thousand frames.
 
@@ -67,8 +66,10 @@ fn the_memory_of_run_does_not_grow_with_the_length_of_the_video() {
         samples[at(from)..at(to)].iter().copied().max().expect("it ran long enough")
     };
     let (middle, end) = (most(0.3, 0.5), most(0.5, 1.0));
-    let growth = end.saturating_sub(middle) / u64::from(frames / 2);
-    assert!(growth < 300, "{growth} bytes a frame: {} MiB, then {} MiB", middle >> 20, end >> 20);
+    // Numbers and times of frames, and the events, stay in memory; the rest is what other threads happen to hold.
+    let most_growth = (4 << 20) + 100 * u64::from(frames);
+    assert!(end < middle + most_growth, "{} KiB, then {} KiB", middle >> 10, end >> 10);
+    println!("{} KiB in the middle, {} KiB at the end", middle >> 10, end >> 10);
 }
 
 /// The analyses of some frames in a single pass.

@@ -343,7 +343,7 @@ fn a_stopped_run_leaves_no_output() {
         .unwrap();
     let patience = Instant::now() + Duration::from_secs(30);
     let at_work =
-        || out.is_dir() && common::names(&out).iter().any(|name| out.join(name).join("masks").is_dir());
+        || out.is_dir() && common::names(&out).iter().any(|name| out.join(name).join("new/masks").is_dir());
     while !at_work() {
         assert!(Instant::now() < patience, "the run did not start");
         thread::sleep(Duration::from_millis(5));

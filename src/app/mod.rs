@@ -35,6 +35,7 @@ use self::files::kept_state;
 use self::model::areas::Areas;
 use self::model::worker::PlayerFactory;
 use self::window::Window;
+use crate::export::staging;
 use crate::regions::Roi;
 use crate::replay::{AnalysisOptions, Session, Start};
 use crate::settings::Settings;
@@ -98,7 +99,10 @@ pub fn run(opening: Opening) -> anyhow::Result<()> {
         }
         Ok(Box::new(window))
     };
-    eframe::run_native("occluscope", options, Box::new(create)).map_err(|error| explain(&error))
+    let closed = eframe::run_native("occluscope", options, Box::new(create)).map_err(|error| explain(&error));
+    // Files that threads are still writing stay incomplete.
+    staging::remove_all();
+    closed
 }
 
 /// A factory of sessions that stay within a memory limit in bytes.

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::iter;
 
-use anyhow::{anyhow, bail};
+use anyhow::{Context as _, anyhow, bail};
 
 use super::console::Console;
 use super::flags::FrameRange;
@@ -89,7 +89,8 @@ impl Frames {
         let live = info.live;
         let is_stopped = move || live && interrupt::is_stop_requested();
         let ahead = ahead.clamp(MIN_FRAMES_AHEAD, MAX_FRAMES_AHEAD);
-        let decoder = Some(Ahead::start(source, ahead, is_stopped, |frame| frame)?);
+        let decoder = Ahead::start(source, ahead, is_stopped, |frame| frame);
+        let decoder = Some(decoder.context("no thread can be started; end other programs")?);
         let held = VecDeque::new();
         Ok(Self { info, total, options, range, choice, held, decoder, last_number: None, has_begun: false })
     }

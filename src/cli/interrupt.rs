@@ -1,5 +1,6 @@
 //! Ctrl-C: the work stops at the next frame, so that temporary files are removed.
 
+use std::io::{self, Write as _};
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -16,6 +17,8 @@ pub(super) fn watch() {
         let _ = ctrlc::set_handler(|| {
             if STOP_REQUESTED.swap(true, Ordering::SeqCst) {
                 staging::remove_all();
+                // Nothing can be done where it cannot be told.
+                let _ = writeln!(io::stderr(), "error: stopped at once; nothing was written");
                 std::process::exit(1);
             }
         });

@@ -8,6 +8,7 @@ pub mod export;
 mod file_limit;
 mod flags;
 mod frames;
+mod inputs;
 mod interrupt;
 pub mod model;
 mod out_file;

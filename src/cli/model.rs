@@ -9,8 +9,9 @@ use super::console::Console;
 use super::flags::{self, FrameRange, UsageError};
 use super::frames::{Batch, Frames, Item};
 use super::out_file::OutFile;
-use super::{interrupt, source_flags};
+use super::{inputs, interrupt, source_flags};
 use crate::export::model_npz;
+use crate::export::staging::IsFolder;
 use crate::mixture::BATCH;
 use crate::pipeline::Pipeline;
 use crate::registration::CorrectionChoice;
@@ -64,6 +65,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     }
     flags::start_threads(matches)?;
     let out = matches.get_one::<PathBuf>("out").cloned().unwrap_or_default();
+    inputs::protect(&inputs::of_command(matches), [(out.as_path(), IsFolder::No)])?;
     let out = OutFile::begin(&out)?;
     let pipeline = job.learn()?;
     let mixture = pipeline.mixture().context("this background model has no mixture")?;

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
+use super::standard_output::own_error;
 use crate::export::SingleFile;
 use crate::export::staging::Replace;
 use crate::export::write_failure::told;
@@ -32,7 +33,7 @@ impl OutFile {
         content: impl FnOnce(&mut BufWriter<File>) -> anyhow::Result<()>,
     ) -> anyhow::Result<()> {
         let Self { path, file, mut out } = self;
-        content(&mut out).map_err(|error| match error.downcast::<io::Error>() {
+        content(&mut out).map_err(|error| match own_error(error) {
             Ok(error) => told(&path, error).into(),
             Err(other) => other,
         })?;

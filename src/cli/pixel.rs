@@ -11,9 +11,10 @@ use super::console::Console;
 use super::flags::{self, FrameRange, UsageError};
 use super::frames::{Frames, Item};
 use super::out_file::OutFile;
-use super::{interrupt, source_flags, standard_output};
+use super::{inputs, interrupt, source_flags, standard_output};
 use crate::explain::pixel::PixelHistory;
 use crate::export::pixel_csv;
+use crate::export::staging::IsFolder;
 use crate::mixture::Parameters;
 use crate::placement::Crop;
 use crate::regions::Roi;
@@ -71,6 +72,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
         console: Console::new(matches),
     };
     if let Some(path) = matches.get_one::<PathBuf>("out") {
+        inputs::protect(&inputs::of_command(matches), [(path.as_path(), IsFolder::No)])?;
         let (mut frames, at) = follow.open()?;
         return OutFile::begin(path)?.write(|out| follow.write_frames(&mut frames, at, out));
     }

@@ -13,9 +13,16 @@ pub(super) fn write(
     content: impl FnOnce(&mut BufWriter<StdoutLock<'static>>) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
     let mut out = BufWriter::new(io::stdout().lock());
-    content(&mut out).map_err(|error| match error.downcast::<io::Error>() {
+    content(&mut out).map_err(|error| match own_error(error) {
         Ok(error) => told(Path::new(NAME), error).into(),
         Err(other) => other,
     })?;
     Ok(out.flush().map_err(|error| told(Path::new(NAME), error))?)
+}
+
+/// An error of writing, or one of the work, which says what it is of.
+pub(super) fn own_error(error: anyhow::Error) -> Result<io::Error, anyhow::Error> {
+    let outermost = error.chain().next();
+    let is_own = outermost.is_some_and(<dyn std::error::Error>::is::<io::Error>);
+    if is_own { error.downcast() } else { Err(error) }
 }

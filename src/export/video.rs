@@ -436,8 +436,13 @@ mod tests {
         assert!(!path.exists(), "no file without an encoder");
         let elsewhere = folder.path().join("missing/video.mp4");
         let why = create(&ENCODERS, &elsewhere, size).unwrap_err().to_string();
-        let missing = io::Error::from_raw_os_error(2).to_string();
-        assert_eq!(why, format!("{missing}; check the free space and the permissions"));
+        let place = elsewhere.display();
+        assert_eq!(
+            why,
+            format!(
+                "{place} cannot be written: its folder does not exist; create it, or choose another place"
+            )
+        );
 
         let mut video = VideoFile::create(&path, size, 25.0, None).unwrap();
         let other = plain(7, Size::new(48, 64), [0; 3]);
@@ -457,6 +462,6 @@ mod tests {
             video.finish()
         };
         let error: VideoError = write().unwrap_err();
-        assert!(error.to_string().contains("No space left"), "{error}");
+        assert!(error.to_string().contains("the disk is full"), "{error}");
     }
 }

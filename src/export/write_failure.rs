@@ -41,6 +41,16 @@ pub fn told(path: &Path, error: io::Error) -> io::Error {
     refused(error.kind(), path, why)
 }
 
+/// As [`told`]; earlier files that could not be put back are in `kept`.
+pub(super) fn told_with_kept(path: &Path, error: io::Error, kept: &Path) -> io::Error {
+    let (kind, error) = (error.kind(), told(path, error));
+    let Some(failure) = error.get_ref().and_then(|inner| inner.downcast_ref::<WriteFailure>()) else {
+        return error;
+    };
+    let why = format!("{}; earlier files that could not be put back are in {}", failure.why, kept.display());
+    io::Error::new(kind, WriteFailure { path: failure.path.clone(), why })
+}
+
 /// The error of a path that cannot be written for this reason, which ends with a remedy.
 pub(super) fn refused(kind: ErrorKind, path: &Path, why: String) -> io::Error {
     io::Error::new(kind, WriteFailure { path: final_path(path), why })
@@ -58,6 +68,15 @@ mod tests {
             "out/masks/a.png cannot be written: the disk is full; free some space, or choose another place";
         assert_eq!((error.to_string().as_str(), error.kind()), (line, ErrorKind::StorageFull));
         assert_eq!(told(Path::new("other"), error).to_string(), line);
+    }
+
+    #[test]
+    fn files_that_are_kept_are_named_also_by_whoever_tells_it_again() {
+        let error = told(Path::new("a.csv"), io::Error::from(ErrorKind::PermissionDenied));
+        let error = told_with_kept(Path::new("."), error, Path::new("b/old"));
+        let line = told(Path::new("c"), error).to_string();
+        assert!(line.starts_with("a.csv cannot be written: permission denied"), "{line}");
+        assert!(line.ends_with("; earlier files that could not be put back are in b/old"), "{line}");
     }
 
     #[test]

@@ -22,10 +22,7 @@ pub(super) fn images(name: &str, folder: &Path) -> Result<NumberedFiles, SourceE
             format!("{why}; give a video, or a folder of png, jpg, bmp, tif, webp, gif or pnm images"),
         ));
     }
-    files.sort_by(|a, b| {
-        let (a, b) = (a.to_string_lossy(), b.to_string_lossy());
-        natord::compare(&a, &b).then_with(|| a.cmp(&b))
-    });
+    files.sort_by(|a, b| natord::compare(&a.to_string_lossy(), &b.to_string_lossy()).then_with(|| a.cmp(b)));
     number_frames(files).map_err(|why| SourceError::unusable(name, why))
 }
 

@@ -68,7 +68,7 @@ impl fmt::Display for ImageFile {
 }
 
 /// Whether the file name is that of an image; hidden files are not.
-pub(super) fn has_image_name(path: &Path) -> bool {
+pub(crate) fn has_image_name(path: &Path) -> bool {
     let hidden = path.file_name().is_none_or(|name| name.to_string_lossy().starts_with('.'));
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
     !hidden && extension.is_some_and(|extension| EXTENSIONS.contains(&extension.as_str()))

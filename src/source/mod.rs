@@ -39,6 +39,7 @@ use crate::frame::{Frame, Size};
 use crate::placement::Placement;
 use crate::settings::Settings;
 
+pub(crate) use image_file::has_image_name;
 pub use kind::SourceKind;
 pub use levels::{LevelRange, Levels};
 pub use name::{name_of, path_of, shown};

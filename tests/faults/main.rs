@@ -238,7 +238,7 @@ fn a_full_standard_output_is_told() {
     }
 }
 
-/// The operating system ends every file at 4 KiB, with the signal that ends a process.
+/// The operating system ends every file at some KiB (the unit differs from shell to shell), with the signal that ends a process.
 #[test]
 fn a_limit_of_files_is_told_and_leaves_nothing() {
     for work in all_works() {
@@ -303,12 +303,14 @@ fn a_second_sweep_into_a_folder_is_refused() {
 fn stopped_twice_it_leaves_nothing() {
     let place = TestFolder::new();
     let (images, out) = (place.path("images"), place.path("out"));
-    write_images(&images, 60, 1);
+    // So many frames are not done before the signals arrive.
+    write_images(&images, 1500, 1);
     let mut command = Command::new(env!("CARGO_BIN_EXE_occluscope"));
     command.args(["run", text(&images), "--out", text(&out), "--masks", "--quiet"]).stderr(Stdio::piped());
-    let child = command.spawn().unwrap();
+    let mut child = command.spawn().unwrap();
     let is_begun = || std::fs::read_dir(&out).is_ok_and(|mut entries| entries.next().is_some());
     while !is_begun() {
+        assert_eq!(child.try_wait().unwrap(), None, "it ended before it wrote anything");
         std::thread::sleep(Duration::from_millis(1));
     }
     for _ in 0..2 {
@@ -320,4 +322,50 @@ fn stopped_twice_it_leaves_nothing() {
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(1), "{}", said(&output));
     assert!(!out.exists() || files(&out).is_empty(), "{:?}", files(&out).keys());
+}
+
+/// What another command or the user has put there is not replaced.
+#[test]
+fn inputs_and_pictures_of_others_are_not_replaced() {
+    let place = TestFolder::new();
+    let (images, out) = (place.path("images"), place.path("images/out"));
+    write_images(&images.join("frames"), 3, 1);
+    let (inputs, target) = (images.join("frames"), out.join("masks"));
+    let before = files(&images);
+    for arguments in [
+        vec!["run", text(&inputs), "--out", text(&images), "--frames"],
+        vec!["pixel", text(&inputs), "--at", "1,1", "--out", text(&inputs.join("in000002.png"))],
+        vec!["model", text(&inputs), "--frame", "2", "--out", text(&inputs.join("in000002.png"))],
+    ] {
+        let line = fails(&arguments, 1);
+        assert!(line.contains("is an input of this command"), "{line}");
+        assert_eq!(files(&images), before);
+    }
+    std::fs::create_dir_all(&target).unwrap();
+    std::fs::write(target.join("bin000002.png"), "mine").unwrap();
+    let line = fails(&["run", text(&inputs), "--out", text(&out), "--masks"], 1);
+    assert!(line.contains("pictures that this program did not write"), "{line}");
+    assert_eq!(std::fs::read_to_string(target.join("bin000002.png")).unwrap(), "mine");
+
+    let results = place.path("results");
+    works(&["run", text(&inputs), "--quiet", "--out", text(&results)]);
+    let before = files(&results);
+    let table = results.join("tracks.json");
+    let line = fails(&["export", text(&results), "--format", "coco", "--out", text(&table)], 1);
+    assert!(line.contains("is an input of this command"), "{line}");
+    assert_eq!(files(&results), before);
+}
+
+/// A file of the name of a sweep's rows that is none is left alone.
+#[test]
+fn foreign_rows_are_left_alone() {
+    let place = TestFolder::new();
+    let (scene, out) = (place.path("scene"), place.path("out"));
+    works(&["synth", "empty", "--frames", "3", "--size", "64x64", "--quiet", "--out", text(&scene)]);
+    std::fs::create_dir(&out).unwrap();
+    std::fs::write(out.join("rows.jsonl"), "my own notes").unwrap();
+    let video = scene.join("empty.mp4");
+    let line = fails(&["sweep", text(&video), "--truth", text(&scene), "--quiet", "--out", text(&out)], 1);
+    assert!(line.contains("rows.jsonl is not of a sweep"), "{line}");
+    assert_eq!(std::fs::read_to_string(out.join("rows.jsonl")).unwrap(), "my own notes");
 }

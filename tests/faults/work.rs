@@ -15,6 +15,9 @@ pub(crate) type Files = BTreeMap<String, Option<Vec<u8>>>;
 /// The beginning of the names of temporary folders.
 const HIDDEN: &str = ".occluscope-";
 
+/// The files that are complete only with all others of their command.
+const LAST: [&str; 3] = ["summary.json", "scene.json", "sweep.csv"];
+
 /// A command that writes into a folder, and what it does without faults.
 pub(crate) struct Work {
     pub(crate) name: &'static str,
@@ -160,8 +163,10 @@ impl Work {
         };
         let found_here = found.iter().filter(|(path, _)| !path.starts_with(HIDDEN));
         let broken = found_here.filter(|(path, bytes)| !is_whole(path, bytes)).map(|(path, _)| path.clone());
-        let lost =
-            self.before.keys().filter(|path| self.after.contains_key(*path) && !found.contains_key(*path));
+        // The last file is taken away before the others are replaced, so that it never stands beside half of them.
+        let lost = self.before.keys().filter(|path| {
+            !LAST.contains(&path.as_str()) && self.after.contains_key(*path) && !found.contains_key(*path)
+        });
         broken.chain(lost.map(|path| format!("{path} is lost"))).collect()
     }
 }

@@ -12,7 +12,9 @@ use clap::{Arg, ArgMatches, Command, value_parser};
 
 use super::console::Console;
 use super::flags;
+use super::inputs;
 use super::out_file::OutFile;
+use crate::export::staging::IsFolder;
 use crate::export::track_table::TrackTable;
 use crate::export::{coco_json, cvat_xml, mot_zip};
 
@@ -76,6 +78,17 @@ pub fn command() -> Command {
     flags::with_common(command)
 }
 
+/// The files of a results folder, which none of these formats may replace.
+const TABLES: [&str; 7] = [
+    "summary.json",
+    "tracks.csv",
+    "tracks.json",
+    "regions.csv",
+    "events.jsonl",
+    "episodes.csv",
+    "settings.toml",
+];
+
 /// Writes the file.
 pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let path = |name: &str| matches.get_one::<PathBuf>(name).cloned();
@@ -88,6 +101,8 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
 
     let table = results::read(&folder, first, console)?;
     let out = path("out").unwrap_or_else(|| folder.join(format.file));
+    let tables = TABLES.map(|name| folder.join(name));
+    inputs::protect(&tables, [(out.as_path(), IsFolder::No)])?;
     OutFile::begin(&out)?.write(|file| Ok((format.write)(file, &table)?))?;
     console.note(&format!("{} boxes; written to {}", table.boxes.len(), out.display()));
     Ok(())

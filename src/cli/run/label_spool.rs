@@ -1,7 +1,6 @@
 //! The labels of all frames, run-length encoded in a temporary file until the identities of their objects are known.
 
-use std::fs::File;
-use std::io::{self, BufReader, BufWriter, Read, Seek as _, Write as _};
+use std::io;
 use std::path::PathBuf;
 
 use anyhow::{Context as _, bail};
@@ -10,21 +9,20 @@ use super::arguments::RunJob;
 use super::bulky_output::LABELS;
 use super::pictures::numbered;
 use super::result_spool::ResultSpool;
+use super::spool::SpoolWriter;
 use crate::cli::interrupt;
 use crate::export::Staging;
 use crate::export::label_image::LabelImage;
 use crate::export::picture_queue::{Picture, PictureQueue};
-use crate::export::write_failure::told;
 use crate::frame::Size;
 use crate::regions::{Labels, rle};
 use crate::source::SourceInfo;
 
-/// The file, which has no name, so that nothing of it is left after a failure. Each frame is the number of its bytes
-/// and these, some kilobytes; memory holds one frame.
+/// The labels, some kilobytes a frame.
 pub(super) struct LabelSpool {
     size: Size,
-    file: BufWriter<File>,
-    /// The folder of the label images, for messages.
+    spool: SpoolWriter,
+    /// The folder of the label images.
     folder: PathBuf,
 }
 
@@ -35,15 +33,12 @@ impl LabelSpool {
             return Ok(None);
         }
         let folder = staging.folder(LABELS.file)?;
-        let file = tempfile::tempfile_in(&folder).map_err(|error| told(&folder, error))?;
-        Ok(Some(Self { size: info.size, file: BufWriter::new(file), folder }))
+        Ok(Some(Self { size: info.size, spool: SpoolWriter::new(&folder)?, folder }))
     }
 
     /// Adds the labels of the next frame.
     pub(super) fn add(&mut self, labels: &Labels) -> io::Result<()> {
-        let bytes = rle::encode_labels(labels);
-        let length = self.file.write_all(&(bytes.len() as u64).to_le_bytes());
-        length.and_then(|()| self.file.write_all(&bytes)).map_err(|error| told(&self.folder, error))
+        self.spool.add(&rle::encode_labels(labels))
     }
 
     /// Writes the label image of each frame of `results`, which are in the pixels of the frames.
@@ -53,20 +48,17 @@ impl LabelSpool {
         info: &SourceInfo,
         results: &ResultSpool,
     ) -> anyhow::Result<()> {
-        let folder = self.folder;
-        let failed = |error| told(&folder, error);
+        let Self { size, spool, folder } = self;
         let mut queue = PictureQueue::start(rayon::current_num_threads().min(8))?;
-        let mut file = self.file.into_inner().map_err(io::IntoInnerError::into_error).map_err(failed)?;
-        file.rewind().map_err(failed)?;
-        let mut file = BufReader::new(file);
+        let spool = spool.finish()?;
         let placement = info.placement();
         let progress = job.console.progress("labelling", Some(results.len() as u32));
-        for frame in results.frames()? {
+        for (labels, frame) in spool.read()?.zip(results.frames()?) {
             let tracks = frame?.tracks;
             if interrupt::is_stop_requested() && !info.live {
                 bail!("stopped before all label images of {} were written; nothing was written", job.video);
             }
-            let labels = read(&mut file, self.size).map_err(failed)?;
+            let labels = rle::decode_labels(&labels?, size).1;
             let image = LabelImage::new(&labels, &tracks, &results.decisions.episodes)
                 .with_context(|| job.video.clone())?;
             let image = match &placement {
@@ -79,13 +71,4 @@ impl LabelSpool {
         }
         Ok(queue.finish()?)
     }
-}
-
-/// The labels of the next frame.
-fn read(file: &mut impl Read, size: Size) -> io::Result<Labels> {
-    let mut length = [0; 8];
-    file.read_exact(&mut length)?;
-    let mut bytes = vec![0; u64::from_le_bytes(length) as usize];
-    file.read_exact(&mut bytes)?;
-    Ok(rle::decode_labels(&bytes, size).1)
 }

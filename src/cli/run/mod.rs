@@ -18,6 +18,7 @@ mod pictures;
 mod recent_tracks;
 mod record;
 mod result_spool;
+mod spool;
 mod summary;
 mod tables;
 
@@ -33,7 +34,7 @@ pub(super) use input_hash::hexadecimal;
 pub(super) use tables::write_file;
 
 use super::frames::Frames;
-use super::{flags, source_flags};
+use super::{flags, inputs, source_flags};
 use crate::export::Staging;
 use crate::export::staging::IsFolder;
 use crate::regions::Roi;
@@ -52,6 +53,9 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let job = RunJob::new(matches)?;
     flags::start_threads(matches)?;
     let started = Instant::now();
+    let outputs: Vec<_> = targets(&job).map(|(name, is_folder)| (job.out.join(name), is_folder)).collect();
+    let outputs = outputs.iter().map(|(path, is_folder)| (path.as_path(), *is_folder));
+    inputs::protect(&inputs::of_video(&job.video), outputs)?;
     let (mut frames, roi) = open(&job)?;
     let hash = InputHash::start(&job.video);
     summary::print_input(&job, &frames);

@@ -5,7 +5,7 @@ use std::io;
 use sha2::{Digest, Sha256};
 
 use super::input_hash::{hexadecimal, is_images};
-use super::result_spool::{ResultSpool, SpoolWriter};
+use super::result_spool::{ResultSpool, ResultWriter};
 use crate::export::Staging;
 use crate::frame::{Frame, Size};
 use crate::pipeline::{Analysis, LateDecisions, Pipeline};
@@ -28,7 +28,7 @@ pub(super) struct RunRecord {
 /// Records the results frame by frame.
 pub(super) struct ResultRecorder {
     size: Size,
-    spool: SpoolWriter,
+    spool: ResultWriter,
     decisions: LateDecisions,
     times: Vec<(u32, f64)>,
     foreground_pixels: usize,
@@ -41,7 +41,7 @@ impl ResultRecorder {
     pub(super) fn new(info: &SourceInfo, staging: &Staging) -> io::Result<Self> {
         Ok(Self {
             size: info.size,
-            spool: SpoolWriter::new(staging)?,
+            spool: ResultWriter::new(staging)?,
             decisions: LateDecisions::default(),
             times: Vec::new(),
             foreground_pixels: 0,

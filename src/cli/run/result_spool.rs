@@ -1,16 +1,13 @@
-//! The tracks and regions of all frames in a temporary file, until later decisions about them are known: memory holds
-//! one frame, however long the video is.
+//! The tracks and regions of all frames in a temporary file, until later decisions about them are known.
 
-use std::fs::File;
-use std::io::{self, BufReader, BufWriter, Read as _, Seek as _, Write as _};
-use std::path::PathBuf;
+use std::io;
 
 use serde::{Deserialize, Serialize};
 
+use super::spool::{Spool, SpoolWriter};
 use crate::export::Staging;
 use crate::export::regions_csv::{FrameRows, RegionRow};
 use crate::export::source_pixels;
-use crate::export::write_failure::told;
 use crate::pipeline::{Analysis, LateDecisions};
 use crate::placement::Placement;
 use crate::tracking::{FrameTracks, ObjectId, Track};
@@ -23,31 +20,26 @@ pub(super) struct FrameResults {
     pub regions: FrameRows,
 }
 
-/// The results of one frame as the analysis gave them.
+/// The results of one frame as the analysis gave them: its number, time in seconds, all objects, each with the key that its
+/// track is recorded under, and regions. `T` is a track or a reference to one.
 #[derive(Serialize, Deserialize)]
-struct SpooledFrame {
+struct SpooledFrame<T> {
     number: u32,
     time: f64,
-    /// All objects, each with the key that its track is recorded under.
-    objects: Vec<(ObjectId, Track)>,
+    objects: Vec<(ObjectId, T)>,
     regions: Vec<RegionRow>,
 }
 
-/// The file while it is written. It has no name, so that nothing of it is left after a failure. Each frame is the number
-/// of its bytes and these.
-pub(super) struct SpoolWriter {
-    file: BufWriter<File>,
+/// The results while they are added.
+pub(super) struct ResultWriter {
+    spool: SpoolWriter,
     frames: usize,
-    /// The output folder, for messages.
-    folder: PathBuf,
 }
 
-impl SpoolWriter {
-    /// An empty file.
+impl ResultWriter {
+    /// Before the first frame.
     pub(super) fn new(staging: &Staging) -> io::Result<Self> {
-        let folder = staging.path("");
-        let file = tempfile::tempfile_in(&folder).map_err(|error| told(&folder, error))?;
-        Ok(Self { file: BufWriter::new(file), frames: 0, folder })
+        Ok(Self { spool: SpoolWriter::new(&staging.path(""))?, frames: 0 })
     }
 
     /// Adds the next frame.
@@ -55,29 +47,23 @@ impl SpoolWriter {
         let frame = SpooledFrame {
             number: analysis.number,
             time: analysis.time,
-            objects: analysis.objects.iter().map(|track| (track.key, track.clone())).collect(),
+            objects: analysis.objects.iter().map(|track| (track.key, track)).collect(),
             regions: analysis.regions.iter().map(RegionRow::from).collect(),
         };
-        let bytes = postcard::to_stdvec(&frame).map_err(io::Error::other)?;
-        let length = self.file.write_all(&(bytes.len() as u64).to_le_bytes());
-        length.and_then(|()| self.file.write_all(&bytes)).map_err(|error| told(&self.folder, error))?;
         self.frames += 1;
-        Ok(())
+        self.spool.add(&postcard::to_stdvec(&frame).map_err(io::Error::other)?)
     }
 
-    /// The complete file, with everything that was decided later.
+    /// The results of all frames, with everything that was decided later.
     pub(super) fn finish(self, decisions: LateDecisions) -> io::Result<ResultSpool> {
-        let Self { file, frames, folder } = self;
-        let file = file.into_inner().map_err(|error| told(&folder, error.into_error()))?;
-        Ok(ResultSpool { file, frames, folder, decisions, placement: None })
+        Ok(ResultSpool { spool: self.spool.finish()?, frames: self.frames, decisions, placement: None })
     }
 }
 
-/// The complete file, and the decisions that its frames are changed by when they are read.
+/// The results of all frames, and the decisions that they are changed by when they are read.
 pub(super) struct ResultSpool {
-    file: File,
+    spool: Spool,
     frames: usize,
-    folder: PathBuf,
     /// The decisions, with all events and episodes.
     pub decisions: LateDecisions,
     placement: Option<Placement>,
@@ -95,17 +81,14 @@ impl ResultSpool {
         self.placement = Some(placement);
     }
 
-    /// The final results of all frames, in order.
+    /// The final results of all frames, in order, for one reader at a time.
     pub(super) fn frames(&self) -> io::Result<impl Iterator<Item = io::Result<FrameResults>>> {
-        // All readers of a file share its position: there is one at a time.
-        let mut file = &self.file;
-        let failed = |error| told(&self.folder, error);
-        file.rewind().map_err(failed)?;
-        let mut file = BufReader::new(file);
-        Ok((0..self.frames).map(move |_| Ok(self.decided(read(&mut file).map_err(failed)?))))
+        Ok(self.spool.read()?.take(self.frames).map(|data| self.decided(&data?)))
     }
 
-    fn decided(&self, SpooledFrame { number, time, objects, regions }: SpooledFrame) -> FrameResults {
+    fn decided(&self, data: &[u8]) -> io::Result<FrameResults> {
+        let SpooledFrame { number, time, objects, regions } =
+            postcard::from_bytes::<SpooledFrame<Track>>(data).map_err(io::Error::other)?;
         let objects: Vec<_> = objects.into_iter().map(|(key, track)| Track { key, ..track }).collect();
         let mut tracks = self.decisions.tracks_of(number, time, &objects);
         let mut regions = FrameRows { number, rows: regions };
@@ -113,14 +96,6 @@ impl ResultSpool {
             source_pixels::move_tracks(std::slice::from_mut(&mut tracks), placement);
             source_pixels::move_regions(std::slice::from_mut(&mut regions), placement);
         }
-        FrameResults { tracks, regions }
+        Ok(FrameResults { tracks, regions })
     }
-}
-
-fn read(file: &mut BufReader<&File>) -> io::Result<SpooledFrame> {
-    let mut length = [0; 8];
-    file.read_exact(&mut length)?;
-    let mut bytes = vec![0; u64::from_le_bytes(length) as usize];
-    file.read_exact(&mut bytes)?;
-    postcard::from_bytes(&bytes).map_err(io::Error::other)
 }

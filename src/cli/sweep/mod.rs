@@ -24,6 +24,7 @@ pub use arguments::command;
 
 use super::console::LongProgress;
 use super::flags;
+use super::inputs;
 use super::interrupt;
 use super::standard_output;
 use crate::export::Staging;
@@ -54,6 +55,12 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let results = job.results.as_ref().map(|folder| RunResults::below(folder)).transpose()?;
     for why in results.iter().flat_map(|results| &results.unusable) {
         job.console.note(&format!("warning: {why}; its row is computed"));
+    }
+    let outputs = output::TARGETS.map(|(name, is_folder)| (job.out.join(name), is_folder));
+    for sequence in &sequences {
+        let mut inputs = inputs::of_video(&sequence.video);
+        inputs.push(sequence.truth.path.clone());
+        inputs::protect(&inputs, outputs.iter().map(|(path, is_folder)| (path.as_path(), *is_folder)))?;
     }
     let staging = Staging::new(&job.out)?;
     staging.check(output::TARGETS.map(|(name, is_folder)| (Path::new(name), is_folder)))?;

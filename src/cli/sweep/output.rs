@@ -62,8 +62,11 @@ pub(super) fn write(
         warnings: failures,
     };
     write_file(&staging, "report.html", |out| report::write(out, &report))?;
+    let is_repeated = job.out.join(TABLE).is_file();
     staging.publish(TABLE)?;
-    remove_other_maps(&job.out.join(MAPS), &maps);
+    if is_repeated {
+        remove_other_maps(&job.out.join(MAPS), &maps);
+    }
     Ok(())
 }
 

@@ -30,6 +30,9 @@ pub(super) struct LoggedRow {
     pub measures: Measures,
 }
 
+/// The beginning of every row.
+const ROW_START: &[u8] = b"{\"key\":\"";
+
 impl LoggedRow {
     fn is_possible(&self) -> bool {
         self.measures.is_possible() && self.seconds.is_finite() && self.seconds >= 0.0
@@ -51,6 +54,9 @@ impl RowLog {
     pub(super) fn open(folder: &Path) -> anyhow::Result<Self> {
         let path = folder.join(FILE);
         let failed = |error| told(&path, error);
+        if path.exists() && !path.is_file() {
+            bail!("{} is not a file; move it away, or choose another --out", path.display());
+        }
         let file = loop {
             let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);
             let file = file.map_err(failed)?;
@@ -63,12 +69,15 @@ impl RowLog {
                 ),
             }
             // The other sweep has removed an empty file in the moment before the lock.
-            if path.exists() {
+            if is_at(&file, &path) {
                 break file;
             }
         };
         let mut bytes = Vec::new();
         (&file).read_to_end(&mut bytes).map_err(failed)?;
+        if !bytes.starts_with(ROW_START) && !ROW_START.starts_with(&bytes) {
+            bail!("{} is not of a sweep; move it away, or choose another --out", path.display());
+        }
         let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
         let lines = bytes[..whole].split(|&byte| byte == b'\n');
         let rows = lines.filter_map(|line| serde_json::from_slice::<LoggedRow>(line).ok());
@@ -122,10 +131,18 @@ impl RowLog {
 impl Drop for RowLog {
     fn drop(&mut self) {
         // A sweep that fails on its input leaves no file.
-        if self.length == 0 {
+        let is_empty = self.file.metadata().is_ok_and(|file| file.len() == 0);
+        if is_empty && is_at(&self.file, &self.path) {
             let _ = fs::remove_file(&self.path);
         }
     }
+}
+
+/// Whether an open file is the one at a path.
+fn is_at(file: &File, path: &Path) -> bool {
+    same_file::Handle::from_path(path)
+        .and_then(|at| Ok(at == same_file::Handle::from_file(file.try_clone()?)?))
+        .unwrap_or(false)
 }
 
 fn hash(key: &str) -> String {

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use anyhow::{Context as _, bail};
+use anyhow::{Context as _, anyhow, bail};
 use serde::Deserialize;
 
 use super::arguments::SweepJob;
@@ -141,11 +141,12 @@ fn read(folder: &Path) -> anyhow::Result<(String, ScoredRun)> {
         fs::read_to_string(&path)
             .with_context(|| format!("{} cannot be read; check its permissions", path.display()))
     };
-    let damaged =
-        |name: &str| format!("{} is not from this program; run and score again", folder.join(name).display());
+    let damaged = |name: &str, error: serde_json::Error| {
+        anyhow!("{} is not from this program ({error}); run and score again", folder.join(name).display())
+    };
     let summary: Summary =
-        serde_json::from_str(&text("summary.json")?).with_context(|| damaged("summary.json"))?;
-    let score: Score = serde_json::from_str(&text(SCORE)?).with_context(|| damaged(SCORE))?;
+        serde_json::from_str(&text("summary.json")?).map_err(|error| damaged("summary.json", error))?;
+    let score: Score = serde_json::from_str(&text(SCORE)?).map_err(|error| damaged(SCORE, error))?;
     if score.summary_sha256 != hash_of_summary(folder) {
         bail!("{} is not of the run in its folder; score again", folder.join(SCORE).display());
     }

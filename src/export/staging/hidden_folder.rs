@@ -41,15 +41,14 @@ impl HiddenFolder {
     /// were created for it and are removed with it if nothing is in them.
     pub(super) fn new(folder: &Path, made: &[PathBuf]) -> io::Result<Self> {
         remove_left_over(folder);
-        let mut result = Err(io::Error::other("other programs remove its temporary folder"));
         for _ in 0..TRIES {
-            result = Self::create(folder, made);
-            // In the moment between a folder and its lock another process can remove it as a left-over.
-            if !matches!(&result, Err(error) if error.kind() == io::ErrorKind::NotFound && folder.exists()) {
-                break;
+            match Self::create(folder, made) {
+                // In the moment between a folder and its lock another process can remove it as a left-over.
+                Err(error) if error.kind() == io::ErrorKind::NotFound && folder.exists() => {}
+                result => return result,
             }
         }
-        result
+        Err(io::Error::other("other programs remove its temporary folder"))
     }
 
     fn create(folder: &Path, made: &[PathBuf]) -> io::Result<Self> {

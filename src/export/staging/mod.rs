@@ -53,12 +53,21 @@ impl Staging {
         }
     }
 
-    /// Fails if a file or folder of these names could not be written at the end.
+    /// Fails if a file or folder of these names could not be written at the end, or if numbered pictures would be replaced
+    /// that are beside no file of an earlier command.
     pub fn check<'a>(&self, names: impl IntoIterator<Item = (&'a Path, IsFolder)>) -> io::Result<()> {
         let own = fs::metadata(self.hidden.path()).map_err(|error| told(self.hidden.path(), error))?;
-        names.into_iter().try_for_each(|(name, is_folder)| match is_folder {
-            IsFolder::No => target::check_file(&self.folder.join(name), &own),
-            IsFolder::Yes => target::check_folder(&self.folder.join(name), &own, is_numbered_picture),
+        let paths: Vec<_> = names.into_iter().map(|(name, kind)| (self.folder.join(name), kind)).collect();
+        // Numbered pictures are replaced as a set: those of an earlier command, not those of somebody else.
+        let has_earlier_files = paths.iter().any(|(path, kind)| *kind == IsFolder::No && path.is_file());
+        paths.iter().try_for_each(|(path, kind)| match kind {
+            IsFolder::No => target::check_file(path, &own),
+            IsFolder::Yes => {
+                if !has_earlier_files {
+                    target::check_pictures(path)?;
+                }
+                target::check_folder(path, &own, is_numbered_picture)
+            }
         })
     }
 
@@ -240,6 +249,16 @@ mod tests {
         let staging = Staging::new(root.path()).unwrap();
         let line = staging.check([(Path::new("masks"), IsFolder::Yes)]).unwrap_err().to_string();
         assert!(line.contains("masks cannot be written: it is a file, not a folder"), "{line}");
+    }
+
+    #[test]
+    fn a_single_numbered_picture_leaves_others_alone() {
+        let root = tempfile::tempdir().unwrap();
+        fs::write(root.path().join("000001.png"), "mine").unwrap();
+        let staging = Staging::new(root.path()).unwrap();
+        fs::write(staging.path("000002.png"), "new").unwrap();
+        staging.publish("000002.png").unwrap();
+        assert_eq!(names(root.path()), ["000001.png", "000002.png"]);
     }
 
     #[test]

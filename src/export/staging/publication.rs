@@ -1,16 +1,21 @@
 //! Moves staged files to their places, all of them or none.
 
 use std::ffi::OsString;
-use std::fs::{self, File};
+use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
 use super::hidden_folder::{HiddenFolder, undisturbed};
 use super::target::{check_file, check_folder};
 use super::{Replace, is_numbered_picture};
-use crate::export::write_failure::told;
+use crate::export::write_failure::{told, told_with_kept};
+
+/// A publication renames files that are on the disk already: longer than this none takes.
+const LONGEST_TURN: Duration = Duration::from_secs(10);
 
 /// A step of a publication.
 enum Step {
@@ -43,9 +48,8 @@ pub(super) fn publish(hidden: HiddenFolder, folder: &Path, last: &Path, replace:
     if is_undone {
         return Err(error);
     }
-    let text = format!("{error}; earlier files that could not be put back are in {}", kept.display());
     hidden.leave();
-    Err(io::Error::new(error.kind(), text))
+    Err(told_with_kept(folder, error, &kept))
 }
 
 /// Waits until everything below `folder` is on the disk.
@@ -82,11 +86,20 @@ fn sync_folder(path: &Path) -> io::Result<()> {
     })
 }
 
-/// The turn to publish into `folder`, which ends when it is dropped; `None` where there are no locks.
+/// The turn to publish into `folder`, which ends when it is dropped; `None` where there are no locks, and where another
+/// program keeps one on the folder for longer than a publication takes.
 fn turn(folder: &Path) -> Option<File> {
     let folder = File::open(folder).ok()?;
-    folder.lock().ok()?;
-    Some(folder)
+    let until = Instant::now() + LONGEST_TURN;
+    loop {
+        match folder.try_lock() {
+            Ok(()) => return Some(folder),
+            Err(TryLockError::WouldBlock) if Instant::now() < until => {
+                thread::sleep(Duration::from_millis(20));
+            }
+            Err(_) => return None,
+        }
+    }
 }
 
 /// The steps that move what is in `staged` into `folder`, in the order in which they are done.
@@ -95,7 +108,13 @@ fn steps(staged: &Path, folder: &Path, last: &Path) -> io::Result<Vec<Step>> {
     add_steps(staged, folder, &mut steps, &mut removals)?;
     let last = folder.join(last);
     let is_last = |step: &Step| matches!(step, Step::Place { to, .. } if *to == last);
-    let (at_the_end, mut steps): (Vec<_>, Vec<_>) = steps.into_iter().partition(is_last);
+    let (at_the_end, others): (Vec<_>, Vec<_>) = steps.into_iter().partition(is_last);
+    let mut steps = Vec::new();
+    // Whoever finds the last file finds the complete set: an earlier one goes first.
+    if !others.is_empty() && fs::symlink_metadata(&last).is_ok() {
+        steps.push(Step::Remove(last));
+    }
+    steps.extend(others);
     steps.extend(removals);
     steps.extend(at_the_end);
     Ok(steps)
@@ -107,16 +126,20 @@ fn add_steps(
     steps: &mut Vec<Step>,
     removals: &mut Vec<Step>,
 ) -> io::Result<()> {
-    let new = names(staged)?;
-    for name in &new {
+    for name in &names(staged)? {
         let (from, to) = (staged.join(name), folder.join(name));
         if from.is_dir() && to.is_dir() {
             add_steps(&from, &to, steps, removals)?;
+            add_removals(&names(&from)?, &to, removals)?;
         } else {
             steps.push(Step::Place { from, to });
         }
     }
-    // A set of numbered pictures replaces the whole earlier set.
+    Ok(())
+}
+
+/// In a folder of results a set of numbered pictures, `new`, replaces the whole earlier set.
+fn add_removals(new: &[OsString], folder: &Path, removals: &mut Vec<Step>) -> io::Result<()> {
     if new.iter().any(|name| is_numbered_picture(&name.to_string_lossy())) {
         let earlier = names(folder)?.into_iter();
         let is_left = |name: &OsString| {
@@ -198,14 +221,20 @@ impl Step {
     }
 }
 
-/// Moves a file or folder to its place. A file that is there has its name until the new one has it.
+/// Moves a file or folder to its place. Where the disk has second names, a file that is there has its name until the new
+/// one has it.
 fn place(from: &Path, to: &Path, kept: &Path) -> io::Result<Undo> {
     let replaces = fs::symlink_metadata(to).is_ok();
     if replaces {
         // Some disks have no second names, and some systems refuse one for another user's file.
-        fs::hard_link(to, kept).or_else(|_| fs::copy(to, kept).map(drop))?;
+        fs::hard_link(to, kept).or_else(|_| fs::rename(to, kept))?;
     }
-    fs::rename(from, to)?;
+    if let Err(error) = fs::rename(from, to) {
+        if fs::symlink_metadata(to).is_err() {
+            fs::rename(kept, to)?;
+        }
+        return Err(error);
+    }
     Ok(if replaces {
         Undo::PutBack { kept: kept.to_owned(), to: to.to_owned() }
     } else {

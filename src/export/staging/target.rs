@@ -4,6 +4,7 @@ use std::fs::{self, Metadata};
 use std::io::{self, ErrorKind};
 use std::path::Path;
 
+use super::is_numbered_picture;
 use crate::export::write_failure::{refused, told};
 
 /// Whether a file can be created at `path` or replaced by one. `own` is of a folder of this process on the same disk.
@@ -48,6 +49,21 @@ pub(super) fn check_folder(path: &Path, own: &Metadata, is_ours: impl Fn(&str) -
         }
     }
     Ok(())
+}
+
+/// Fails if there are numbered pictures in the folder at `path`.
+pub(super) fn check_pictures(path: &Path) -> io::Result<()> {
+    let is_picture = |entry: &fs::DirEntry| {
+        is_numbered_picture(&entry.file_name().to_string_lossy()) && entry.path().is_file()
+    };
+    let Some(picture) = fs::read_dir(path).into_iter().flatten().flatten().find(is_picture) else {
+        return Ok(());
+    };
+    let why = format!(
+        "it has pictures that this program did not write there, as {}; move them away, or choose another place",
+        Path::new(&picture.file_name()).display()
+    );
+    Err(refused(ErrorKind::AlreadyExists, path, why))
 }
 
 /// Whether `there` at `path` is another user's in a folder in which only owners can remove files.
