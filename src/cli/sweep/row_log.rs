@@ -75,7 +75,7 @@ impl RowLog {
         };
         let mut bytes = Vec::new();
         (&file).read_to_end(&mut bytes).map_err(failed)?;
-        if !bytes.starts_with(ROW_START) && !ROW_START.starts_with(&bytes) {
+        if !is_of_sweep(&bytes) {
             bail!("{} is not of a sweep; move it away, or choose another --out", path.display());
         }
         let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
@@ -136,6 +136,15 @@ impl Drop for RowLog {
             let _ = fs::remove_file(&self.path);
         }
     }
+}
+
+/// Whether a file of rows is one, perhaps a damaged one: cut, or of zeros after a loss of power.
+fn is_of_sweep(bytes: &[u8]) -> bool {
+    let is_row = |line: &[u8]| serde_json::from_slice::<LoggedRow>(line).is_ok();
+    bytes.starts_with(ROW_START)
+        || ROW_START.starts_with(bytes)
+        || bytes.iter().all(|byte| matches!(byte, 0 | b'\n'))
+        || bytes.split(|&byte| byte == b'\n').any(is_row)
 }
 
 /// Whether an open file is the one at a path.
