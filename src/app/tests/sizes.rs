@@ -165,3 +165,17 @@ fn text_and_controls_can_be_made_larger_and_smaller() {
     }
     assert!(harness.ctx.zoom_factor() > 0.4, "the text remains readable");
 }
+
+#[test]
+fn a_window_smaller_than_it_should_be_is_drawn() {
+    let (mut harness, _) = ready(58);
+    for width in [1.0, 40.0, 120.0, 254.0, 270.0, 300.0, 500.0] {
+        for height in [1.0, 40.0, 150.0, 400.0] {
+            harness.set_size(vec2(width, height));
+            harness.run_steps(2);
+        }
+    }
+    harness.set_size(vec2(1600.0, 1000.0));
+    harness.run_steps(2);
+    harness.get_by_label("Timeline");
+}

@@ -34,7 +34,12 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     response.widget_info(|| WidgetInfo::labeled(Role::Slider, true, "Timeline"));
     let Some(timeline) = model.worker.timeline() else { return };
     let frames = model.worker.frames().max(1);
-    let axis = TimeAxis { rect: rect.shrink2(vec2(8.0, 0.0)), frames, span: visible_span(model, frames) };
+    let inner = rect.shrink2(vec2(8.0, 0.0));
+    // Not every system keeps to the least size of the window.
+    if inner.width() < 1.0 {
+        return;
+    }
+    let axis = TimeAxis { rect: inner, frames, span: visible_span(model, frames) };
     follow(model, &axis, commands);
     let painter = ui.painter().with_clip_rect(rect);
     let colours = theme::colours(ui.visuals());
