@@ -2,7 +2,7 @@
 
 #![expect(unsafe_code, reason = "the standard library has no safe access to signals")]
 
-/// Makes a write beyond the largest size an error, which is told, and not a signal, which ends the process and leaves
+/// Makes a write beyond the largest size an error instead of a signal, which ends the process and leaves
 /// temporary files.
 pub(super) fn make_an_error() {
     #[cfg(unix)]

@@ -17,7 +17,7 @@ pub(super) fn watch() {
         let _ = ctrlc::set_handler(|| {
             if STOP_REQUESTED.swap(true, Ordering::SeqCst) {
                 staging::remove_all();
-                // Nothing can be done where it cannot be told.
+                // An error of stderr cannot be reported.
                 let _ = writeln!(io::stderr(), "error: stopped at once; nothing was written");
                 std::process::exit(1);
             }

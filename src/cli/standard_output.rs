@@ -3,21 +3,21 @@
 use std::io::{self, BufWriter, StdoutLock, Write as _};
 use std::path::Path;
 
-use crate::export::write_failure::told;
+use crate::export::write_failure::describe;
 
 /// Its name in messages.
 const NAME: &str = "standard output";
 
-/// Writes to stdout; an error of it is told as one.
+/// Writes to stdout; an error names it.
 pub(super) fn write(
     content: impl FnOnce(&mut BufWriter<StdoutLock<'static>>) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
     let mut out = BufWriter::new(io::stdout().lock());
     content(&mut out).map_err(|error| match own_error(error) {
-        Ok(error) => told(Path::new(NAME), error).into(),
+        Ok(error) => describe(Path::new(NAME), error).into(),
         Err(other) => other,
     })?;
-    Ok(out.flush().map_err(|error| told(Path::new(NAME), error))?)
+    Ok(out.flush().map_err(|error| describe(Path::new(NAME), error))?)
 }
 
 /// An error of writing, or one of the work, which says what it is of.

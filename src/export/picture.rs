@@ -8,7 +8,7 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 
 use super::label_image::LabelImage;
-use super::write_failure::told;
+use super::write_failure::describe;
 use crate::frame::{Frame, Mask};
 
 /// Writes an RGB image.
@@ -45,7 +45,7 @@ fn write(
     // A run writes thousands of images: the fast level takes a tenth of the time for a few per cent more size.
     let encoder = PngEncoder::new_with_quality(&mut bytes_of_file, CompressionType::Fast, filter);
     let encoded = encoder.write_image(bytes, width, height, colour).map_err(io::Error::other);
-    encoded.and_then(|()| fs::write(path, bytes_of_file)).map_err(|error| told(path, error))
+    encoded.and_then(|()| fs::write(path, bytes_of_file)).map_err(|error| describe(path, error))
 }
 
 #[cfg(test)]

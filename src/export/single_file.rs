@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::Staging;
 use super::staging::{IsFolder, Replace};
-use super::write_failure::{refused, told};
+use super::write_failure::{describe, refused};
 
 /// A file that is written beside its path and moved there by [`SingleFile::publish`].
 ///
@@ -27,7 +27,7 @@ impl SingleFile {
         };
         let folder =
             target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let staging = Staging::new(folder).map_err(|error| told(path, error))?;
+        let staging = Staging::new(folder).map_err(|error| describe(path, error))?;
         staging.check([(name.as_path(), IsFolder::No)])?;
         Ok(Self { staging, name })
     }

@@ -14,7 +14,7 @@ use ffmpeg::util::color;
 use ffmpeg::{Dictionary, Packet, Rational, encoder};
 
 use super::staging::probe;
-use super::write_failure::told;
+use super::write_failure::describe;
 use crate::frame::{Frame, Size};
 use crate::libav::{address, wants_data};
 use crate::source::silence_libraries;
@@ -153,14 +153,15 @@ impl VideoFile {
         // Closing reports no errors; the operating system gives them to whoever asks next.
         drop(self.output);
         let file = OpenOptions::new().write(true).open(&self.path);
-        file.and_then(|file| file.sync_all()).map_err(|error| VideoError::File(told(&self.path, error)))?;
+        file.and_then(|file| file.sync_all())
+            .map_err(|error| VideoError::File(describe(&self.path, error)))?;
         // Players would open no part of a file of which some bytes are missing.
         let readable = count_frames(&self.path).map_err(|error| file_error(&self.path, error))?;
         if readable == self.frames {
             return Ok(());
         }
         let why = format!("only {readable} of {} frames can be read back", self.frames);
-        Err(VideoError::File(told(&self.path, cause(&self.path, why))))
+        Err(VideoError::File(describe(&self.path, cause(&self.path, why))))
     }
 
     /// The frame in the encoder's pixel format.
@@ -302,7 +303,7 @@ fn open_output(
     tick: Rational,
 ) -> Result<(Output, Rational), VideoError> {
     let file_error = |error| file_error(path, error);
-    let no_address = || told(path, io::Error::from(io::ErrorKind::InvalidFilename));
+    let no_address = || describe(path, io::Error::from(io::ErrorKind::InvalidFilename));
     let address = address(path).ok_or_else(|| VideoError::File(no_address()))?;
     let mut output = ffmpeg::format::output_as(&address, "mp4").map_err(file_error)?;
     let mut stream = output.add_stream(Id::None).map_err(file_error)?;
@@ -351,7 +352,7 @@ fn file_error(path: &Path, error: ffmpeg::Error) -> VideoError {
         ffmpeg::Error::Other { errno } => io::Error::from_raw_os_error(errno),
         _ => cause(path, "FFmpeg's writer of MP4 files failed".to_owned()),
     };
-    VideoError::File(told(path, error))
+    VideoError::File(describe(path, error))
 }
 
 /// Why a file could not be written: the error of another one beside it, otherwise `why`.

@@ -1,4 +1,4 @@
-//! Errors of writing, told with the file, the cause and what to do.
+//! Errors of writing, with the file, the cause and a remedy.
 
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -14,8 +14,8 @@ struct WriteFailure {
 }
 
 /// The error of writing to `path`, or to what becomes the file at that path, in one line with its cause and a remedy. One
-/// that is told already stays as it is, and so does that of a closed pipe, which is no failure.
-pub fn told(path: &Path, error: io::Error) -> io::Error {
+/// that has this form already stays as it is, and so does that of a closed pipe, which is no failure.
+pub fn describe(path: &Path, error: io::Error) -> io::Error {
     let inner = error.get_ref().and_then(|inner| inner.downcast_ref::<WriteFailure>());
     if inner.is_some() || error.kind() == ErrorKind::BrokenPipe {
         return error;
@@ -41,9 +41,9 @@ pub fn told(path: &Path, error: io::Error) -> io::Error {
     refused(error.kind(), path, why)
 }
 
-/// As [`told`]; earlier files that could not be put back are in `kept`.
-pub(super) fn told_with_kept(path: &Path, error: io::Error, kept: &Path) -> io::Error {
-    let (kind, error) = (error.kind(), told(path, error));
+/// As [`describe`]; earlier files that could not be put back are in `kept`.
+pub(super) fn describe_with_kept(path: &Path, error: io::Error, kept: &Path) -> io::Error {
+    let (kind, error) = (error.kind(), describe(path, error));
     let Some(failure) = error.get_ref().and_then(|inner| inner.downcast_ref::<WriteFailure>()) else {
         return error;
     };
@@ -63,25 +63,25 @@ mod tests {
     #[test]
     fn an_error_names_the_final_file_its_cause_and_a_remedy_once() {
         let staged = Path::new("out/.occluscope-x1/new/masks/a.png");
-        let error = told(staged, io::Error::from(ErrorKind::StorageFull));
+        let error = describe(staged, io::Error::from(ErrorKind::StorageFull));
         let line =
             "out/masks/a.png cannot be written: the disk is full; free some space, or choose another place";
         assert_eq!((error.to_string().as_str(), error.kind()), (line, ErrorKind::StorageFull));
-        assert_eq!(told(Path::new("other"), error).to_string(), line);
+        assert_eq!(describe(Path::new("other"), error).to_string(), line);
     }
 
     #[test]
-    fn files_that_are_kept_are_named_also_by_whoever_tells_it_again() {
-        let error = told(Path::new("a.csv"), io::Error::from(ErrorKind::PermissionDenied));
-        let error = told_with_kept(Path::new("."), error, Path::new("b/old"));
-        let line = told(Path::new("c"), error).to_string();
+    fn files_that_are_kept_are_named_once() {
+        let error = describe(Path::new("a.csv"), io::Error::from(ErrorKind::PermissionDenied));
+        let error = describe_with_kept(Path::new("."), error, Path::new("b/old"));
+        let line = describe(Path::new("c"), error).to_string();
         assert!(line.starts_with("a.csv cannot be written: permission denied"), "{line}");
         assert!(line.ends_with("; earlier files that could not be put back are in b/old"), "{line}");
     }
 
     #[test]
     fn a_closed_pipe_stays_one() {
-        let error = told(Path::new("a"), io::Error::from(ErrorKind::BrokenPipe));
+        let error = describe(Path::new("a"), io::Error::from(ErrorKind::BrokenPipe));
         assert!(error.kind() == ErrorKind::BrokenPipe && error.get_ref().is_none());
     }
 }

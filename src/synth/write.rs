@@ -28,7 +28,7 @@ use super::scene::Scene;
 use super::truth::{Recorder, SceneTruth};
 use crate::export::Staging;
 use crate::export::staging::{IsFolder, probe};
-use crate::export::write_failure::told;
+use crate::export::write_failure::describe;
 use crate::frame::{Frame, Size};
 use crate::source::silence_libraries;
 
@@ -88,7 +88,7 @@ pub fn write(
     mut progress: impl FnMut(u32) -> ControlFlow<()>,
 ) -> Result<PathBuf, WriteError> {
     silence_libraries();
-    let out = &std::path::absolute(out).map_err(|error| told(out, error))?;
+    let out = &std::path::absolute(out).map_err(|error| describe(out, error))?;
     let staging = Staging::new(out)?;
     let video_name = format!("{}.{}", scene.name, if lossless { "avi" } else { "mp4" });
     let files =
@@ -133,7 +133,7 @@ fn write_identities(folder: &Path, truth: &FrameTruth) -> Result<(), WriteError>
     let encoded =
         PngEncoder::new(&mut bytes).write_image(&truth.identities, width, height, ExtendedColorType::L8);
     let written = encoded.map_err(io::Error::other).and_then(|()| fs::write(&path, bytes));
-    Ok(written.map_err(|error| told(&path, error))?)
+    Ok(written.map_err(|error| describe(&path, error))?)
 }
 
 fn write_truth(staging: &Staging, truth: &SceneTruth) -> io::Result<()> {
@@ -145,7 +145,7 @@ fn write_truth(staging: &Staging, truth: &SceneTruth) -> io::Result<()> {
 
 fn write_text(staging: &Staging, name: &str, text: &str) -> io::Result<()> {
     let path = staging.path(name);
-    fs::write(&path, text).map_err(|error| told(&path, error))
+    fs::write(&path, text).map_err(|error| describe(&path, error))
 }
 
 /// The text of `gt.txt`.
@@ -216,8 +216,8 @@ impl<'a> Encoder<'a> {
             }
         }
         // OpenCV does not say why.
-        File::create(&draft).map_err(|error| told(&place, error))?;
-        probe(&staging.path("")).map_err(|error| told(&place, error))?;
+        File::create(&draft).map_err(|error| describe(&place, error))?;
+        probe(&staging.path("")).map_err(|error| describe(&place, error))?;
         let why = "no encoder available; install FFmpeg's codecs (libavcodec with libx264)";
         Err(WriteError::Video { path: place, why: why.to_owned() })
     }
@@ -240,9 +240,9 @@ impl<'a> Encoder<'a> {
         if readable == frames {
             return Ok(());
         }
-        probe(&self.staging.path("")).map_err(|error| told(&self.place, error))?;
+        probe(&self.staging.path("")).map_err(|error| describe(&self.place, error))?;
         let why = format!("only {readable} of {frames} frames can be read back");
-        Err(WriteError::File(told(&self.place, io::Error::other(why))))
+        Err(WriteError::File(describe(&self.place, io::Error::other(why))))
     }
 
     fn error(&self, why: &str) -> WriteError {

@@ -148,7 +148,7 @@ mod tests {
         std::fs::write(truth.join("temporalROI.txt"), "8 9").unwrap();
         assert!(score_all().unwrap_err().to_string().contains("--masks"));
         std::fs::write(truth.join("temporalROI.txt"), "2 9\n").unwrap();
-        // One of another size, which a sequence of CDnet has, is left out and told.
+        // One of another size, which a sequence of CDnet has, is left out with a warning.
         GrayImage::new(4, 2).save(truth.join("ROI.bmp")).unwrap();
         let files = MaskFiles::of_cdnet(&truth).unwrap();
         assert!(files.remark().is_some_and(|remark| remark.contains("ROI.bmp is 4×2 and the masks are 8×1")));

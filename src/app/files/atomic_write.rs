@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::export::SingleFile;
 use crate::export::staging::Replace;
-use crate::export::write_failure::told;
+use crate::export::write_failure::describe;
 
 /// Writes a temporary file with `write` and moves it to `path` when it is complete and on the disk, so that an existing file
 /// is never replaced by an incomplete one. A name without an extension gets `ending`. Returns the final path, or an error in
@@ -25,7 +25,7 @@ pub(crate) fn write(
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
             Err(format!("{} was not written: it exists; enter its full name to replace it", path.display()))
         }
-        Err(error) => Err(told(&path, error).to_string()),
+        Err(error) => Err(describe(&path, error).to_string()),
     }
 }
 

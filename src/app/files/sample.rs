@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::export::SingleFile;
 use crate::export::staging::Replace;
-use crate::export::write_failure::told;
+use crate::export::write_failure::describe;
 
 /// A video of two people who cross.
 const CROSSING_VIDEO: &[u8] = include_bytes!("../../../sample_videos/crossing.mp4");
@@ -38,7 +38,7 @@ fn unpack_into(folder: &Path) -> std::io::Result<PathBuf> {
         return Ok(path);
     }
     let file = SingleFile::new(&path)?;
-    std::fs::write(file.staged(), CROSSING_VIDEO).map_err(|error| told(&path, error))?;
+    std::fs::write(file.staged(), CROSSING_VIDEO).map_err(|error| describe(&path, error))?;
     file.publish(Replace::Yes)?;
     Ok(path)
 }

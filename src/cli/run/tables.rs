@@ -9,7 +9,7 @@ use super::arguments::RunJob;
 use super::record::RunRecord;
 use super::result_spool::FrameResults;
 use crate::export::tracks_json::TracksJson;
-use crate::export::write_failure::told;
+use crate::export::write_failure::describe;
 use crate::export::{Staging, episodes_csv, events_jsonl, picture, regions_csv, tracks_csv};
 use crate::pipeline::LateDecisions;
 
@@ -70,5 +70,5 @@ pub(in crate::cli) fn write_file(
         content(&mut out)?;
         out.flush()
     };
-    write().map_err(|error| told(&path, error))
+    write().map_err(|error| describe(&path, error))
 }

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::cli::run::hexadecimal;
-use crate::export::write_failure::told;
+use crate::export::write_failure::describe;
 use crate::truth::measures::Measures;
 
 /// The name of the file.
@@ -53,7 +53,7 @@ impl RowLog {
     /// removed: it is computed again. Fails where another sweep writes rows there. All errors name the file.
     pub(super) fn open(folder: &Path) -> anyhow::Result<Self> {
         let path = folder.join(FILE);
-        let failed = |error| told(&path, error);
+        let failed = |error| describe(&path, error);
         if path.exists() && !path.is_file() {
             bail!("{} is not a file; move it away, or choose another --out", path.display());
         }
@@ -85,7 +85,7 @@ impl RowLog {
         let rows = rows.map(|row| (row.key.clone(), row)).collect();
         let log = Self { rows, path, file, length: whole as u64 };
         if whole < bytes.len() {
-            log.cut().map_err(|error| told(&log.path, error))?;
+            log.cut().map_err(|error| describe(&log.path, error))?;
         }
         Ok(log)
     }
@@ -120,7 +120,7 @@ impl RowLog {
         if let Err(error) = written {
             // Where this fails too, the next sweep does it.
             let _ = self.cut();
-            return Err(told(&self.path, error));
+            return Err(describe(&self.path, error));
         }
         self.length += text.len() as u64;
         self.rows.extend(added);

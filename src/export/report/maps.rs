@@ -93,7 +93,7 @@ pub(super) fn data<'a>(report: &Report<'a>) -> Data<'a> {
     }
 }
 
-/// A number without digits that nobody sees.
+/// A number without invisible digits.
 fn short(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
 }

@@ -56,7 +56,7 @@ impl HiddenFolder {
         let path = hidden.path().join(LOCK);
         let lock = OpenOptions::new().write(true).create_new(true).open(&path)?;
         match lock.try_lock() {
-            // Without locks on this disk nobody can take the folder for a left-over.
+            // Without locks on this disk no process takes the folder for a left-over.
             Ok(()) | Err(TryLockError::Error(_)) => {}
             Err(TryLockError::WouldBlock) => return Err(io::ErrorKind::NotFound.into()),
         }
@@ -85,7 +85,7 @@ impl HiddenFolder {
         self.owned.hidden.join(OLD)
     }
 
-    /// Leaves the folder to the user: nobody removes it.
+    /// Keeps the folder: no process removes it.
     pub(super) fn leave(self) {
         alive().retain(|other| *other != self.owned);
         // Without it the folder is no left-over.
@@ -171,19 +171,11 @@ fn ignore_missing(result: io::Result<()>) -> io::Result<()> {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
+    use super::super::tests::names;
     use super::*;
 
-    fn names(folder: &Path) -> Vec<String> {
-        let mut names: Vec<_> = fs::read_dir(folder)
-            .unwrap()
-            .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
-            .collect();
-        names.sort();
-        names
-    }
-
     #[test]
-    fn left_overs_are_removed_but_not_what_is_alive_or_somebody_else_s() {
+    fn left_overs_are_removed_but_no_folder_in_use_and_no_foreign_one() {
         let root = tempfile::tempdir().unwrap();
         let alive = HiddenFolder::new(root.path(), &[]).unwrap();
         fs::write(alive.new_files().join("a"), "half").unwrap();

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 pub use hidden_folder::remove_all;
 
-use super::write_failure::told;
+use super::write_failure::describe;
 use hidden_folder::{HiddenFolder, NEW, PREFIX};
 
 /// Bytes that tell whether the disk is full.
@@ -41,7 +41,7 @@ impl Staging {
     pub fn new(folder: &Path) -> io::Result<Self> {
         let mut made = Vec::new();
         let hidden = make_folders(folder, &mut made)
-            .and_then(|()| HiddenFolder::new(folder, &made).map_err(|error| told(folder, error)));
+            .and_then(|()| HiddenFolder::new(folder, &made).map_err(|error| describe(folder, error)));
         match hidden {
             Ok(hidden) => Ok(Self { folder: folder.to_owned(), hidden }),
             Err(error) => {
@@ -56,9 +56,9 @@ impl Staging {
     /// Fails if a file or folder of these names could not be written at the end, or if numbered pictures would be replaced
     /// that are beside no file of an earlier command.
     pub fn check<'a>(&self, names: impl IntoIterator<Item = (&'a Path, IsFolder)>) -> io::Result<()> {
-        let own = fs::metadata(self.hidden.path()).map_err(|error| told(self.hidden.path(), error))?;
+        let own = fs::metadata(self.hidden.path()).map_err(|error| describe(self.hidden.path(), error))?;
         let paths: Vec<_> = names.into_iter().map(|(name, kind)| (self.folder.join(name), kind)).collect();
-        // Numbered pictures are replaced as a set: those of an earlier command, not those of somebody else.
+        // Numbered pictures are replaced as a set: only those of an earlier command.
         let has_earlier_files = paths.iter().any(|(path, kind)| *kind == IsFolder::No && path.is_file());
         paths.iter().try_for_each(|(path, kind)| match kind {
             IsFolder::No => target::check_file(path, &own),
@@ -79,7 +79,7 @@ impl Staging {
     /// Creates a folder of this name among the staged files and returns its path.
     pub fn folder(&self, name: impl AsRef<Path>) -> io::Result<PathBuf> {
         let path = self.path(name);
-        fs::create_dir_all(&path).map_err(|error| told(&path, error))?;
+        fs::create_dir_all(&path).map_err(|error| describe(&path, error))?;
         Ok(path)
     }
 
@@ -125,7 +125,7 @@ fn make_folders(folder: &Path, made: &mut Vec<PathBuf>) -> io::Result<()> {
             Ok(()) => made.push(ancestor.to_owned()),
             // Another process has created it meanwhile.
             Err(_) if ancestor.is_dir() => {}
-            Err(error) => return Err(told(ancestor, error)),
+            Err(error) => return Err(describe(ancestor, error)),
         }
     }
     Ok(())
@@ -158,7 +158,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
-    fn names(folder: &Path) -> Vec<String> {
+    pub(super) fn names(folder: &Path) -> Vec<String> {
         let mut names: Vec<_> = fs::read_dir(folder)
             .unwrap()
             .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::hidden_folder::{HiddenFolder, undisturbed};
 use super::target::{check_file, check_folder};
 use super::{Replace, is_numbered_picture};
-use crate::export::write_failure::{told, told_with_kept};
+use crate::export::write_failure::{describe, describe_with_kept};
 
 /// A publication renames files that are on the disk already: longer than this none takes.
 const LONGEST_TURN: Duration = Duration::from_secs(10);
@@ -49,7 +49,7 @@ pub(super) fn publish(hidden: HiddenFolder, folder: &Path, last: &Path, replace:
         return Err(error);
     }
     hidden.leave();
-    Err(told_with_kept(folder, error, &kept))
+    Err(describe_with_kept(folder, error, &kept))
 }
 
 /// Waits until everything below `folder` is on the disk.
@@ -57,17 +57,17 @@ fn sync(folder: &Path) -> io::Result<()> {
     let (mut files, mut folders) = (Vec::new(), vec![folder.to_owned()]);
     let mut index = 0;
     while let Some(next) = folders.get(index).cloned() {
-        for entry in fs::read_dir(&next).map_err(|error| told(&next, error))? {
-            let path = entry.map_err(|error| told(&next, error))?.path();
+        for entry in fs::read_dir(&next).map_err(|error| describe(&next, error))? {
+            let path = entry.map_err(|error| describe(&next, error))?.path();
             if path.is_dir() { folders.push(path) } else { files.push(path) }
         }
         index += 1;
     }
     // It waits more than it works, and the disk takes many files at once.
     files.par_iter().try_for_each(|path| {
-        // An error of an earlier write to the file is told here.
+        // Reports an error of an earlier write to the file.
         let file = File::options().write(true).open(path);
-        file.and_then(|file| file.sync_all()).map_err(|error| told(path, error))
+        file.and_then(|file| file.sync_all()).map_err(|error| describe(path, error))
     })?;
     folders.iter().try_for_each(|path| sync_folder(path))
 }
@@ -82,7 +82,7 @@ fn sync_folder(path: &Path) -> io::Result<()> {
     synced.or_else(|error| match error.kind() {
         // Some disks of the network do it in any case.
         io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported => Ok(()),
-        _ => Err(told(path, error)),
+        _ => Err(describe(path, error)),
     })
 }
 
@@ -110,7 +110,7 @@ fn steps(staged: &Path, folder: &Path, last: &Path) -> io::Result<Vec<Step>> {
     let is_last = |step: &Step| matches!(step, Step::Place { to, .. } if *to == last);
     let (at_the_end, others): (Vec<_>, Vec<_>) = steps.into_iter().partition(is_last);
     let mut steps = Vec::new();
-    // Whoever finds the last file finds the complete set: an earlier one goes first.
+    // Where the last file exists, the set is complete: an earlier one is removed first.
     if !others.is_empty() && fs::symlink_metadata(&last).is_ok() {
         steps.push(Step::Remove(last));
     }
@@ -154,14 +154,14 @@ fn add_removals(new: &[OsString], folder: &Path, removals: &mut Vec<Step>) -> io
 fn names(folder: &Path) -> io::Result<Vec<OsString>> {
     let entries = fs::read_dir(folder)
         .and_then(|entries| entries.map(|entry| Ok(entry?.file_name())).collect::<io::Result<Vec<_>>>());
-    let mut names = entries.map_err(|error| told(folder, error))?;
+    let mut names = entries.map_err(|error| describe(folder, error))?;
     names.sort();
     Ok(names)
 }
 
 /// Whether all steps can be done, as far as it can be known before.
 fn check(steps: &[Step], hidden: &HiddenFolder) -> io::Result<()> {
-    let own = fs::metadata(hidden.path()).map_err(|error| told(hidden.path(), error))?;
+    let own = fs::metadata(hidden.path()).map_err(|error| describe(hidden.path(), error))?;
     for step in steps {
         match step {
             Step::Place { from, to } if from.is_dir() => check_folder(to, &own, |_| false)?,
@@ -210,11 +210,11 @@ impl Step {
     fn carry_out(&self, kept: &Path, replace: Replace) -> io::Result<Undo> {
         match self {
             Self::Place { from, to } if replace == Replace::No => {
-                place_beside(from, to).map_err(|error| told(to, error))
+                place_beside(from, to).map_err(|error| describe(to, error))
             }
-            Self::Place { from, to } => place(from, to, kept).map_err(|error| told(to, error)),
+            Self::Place { from, to } => place(from, to, kept).map_err(|error| describe(to, error)),
             Self::Remove(at) => {
-                fs::rename(at, kept).map_err(|error| told(at, error))?;
+                fs::rename(at, kept).map_err(|error| describe(at, error))?;
                 Ok(Undo::PutBack { kept: kept.to_owned(), to: at.clone() })
             }
         }

@@ -5,14 +5,14 @@ use std::io::{self, ErrorKind};
 use std::path::Path;
 
 use super::is_numbered_picture;
-use crate::export::write_failure::{refused, told};
+use crate::export::write_failure::{describe, refused};
 
 /// Whether a file can be created at `path` or replaced by one. `own` is of a folder of this process on the same disk.
 pub(super) fn check_file(path: &Path, own: &Metadata) -> io::Result<()> {
     match fs::symlink_metadata(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
-        Err(error) => Err(told(path, error)),
-        Ok(_) if path.is_dir() => Err(told(path, ErrorKind::IsADirectory.into())),
+        Err(error) => Err(describe(path, error)),
+        Ok(_) if path.is_dir() => Err(describe(path, ErrorKind::IsADirectory.into())),
         Ok(there) if is_protected(path, &there, own) => Err(refused(
             ErrorKind::PermissionDenied,
             path,
@@ -29,7 +29,7 @@ pub(super) fn check_folder(path: &Path, own: &Metadata, is_ours: impl Fn(&str) -
         Err(error) if error.kind() == ErrorKind::NotFound && fs::symlink_metadata(path).is_err() => {
             return Ok(());
         }
-        Err(error) => return Err(told(path, error)),
+        Err(error) => return Err(describe(path, error)),
         Ok(there) => there,
     };
     if !there.is_dir() {
@@ -41,9 +41,9 @@ pub(super) fn check_folder(path: &Path, own: &Metadata, is_ours: impl Fn(&str) -
         return Err(refused(ErrorKind::CrossesDevices, path, why.into()));
     }
     // A file without a name tells whether names can be added, and leaves nothing.
-    tempfile::tempfile_in(path).map_err(|error| told(path, error))?;
-    for entry in fs::read_dir(path).map_err(|error| told(path, error))? {
-        let entry = entry.map_err(|error| told(path, error))?;
+    tempfile::tempfile_in(path).map_err(|error| describe(path, error))?;
+    for entry in fs::read_dir(path).map_err(|error| describe(path, error))? {
+        let entry = entry.map_err(|error| describe(path, error))?;
         if is_ours(&entry.file_name().to_string_lossy()) {
             check_file(&entry.path(), own)?;
         }
