@@ -3,6 +3,8 @@
 //! Flags, the TOML file, the sliders of the window and the docs all read [`SETTINGS`], which is the only definition
 //! of a parameter.
 
+pub mod file;
+
 use std::fmt::{self, Write as _};
 use std::path::Path;
 

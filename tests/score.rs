@@ -7,7 +7,7 @@ mod common;
 use std::fmt::Write as _;
 use std::fs;
 
-use common::{TestFolder, fails, text, works};
+use common::{TestFolder, fails, occluscope, text, works};
 use image::{GrayImage, Luma};
 use serde_json::Value;
 
@@ -375,4 +375,37 @@ fn tracks_in_xml_json_and_label_images_are_ground_truth() {
     let zip = place.path("mot.zip");
     fs::write(&zip, b"PK\x03\x04rest").unwrap();
     assert!(fails(&["score", text(&found), "--truth", text(&zip)], 1).contains("unpack"));
+}
+
+/// A run into the folder of an earlier one that wrote masks: they are not of its settings.
+#[test]
+fn masks_of_an_earlier_run_are_not_scored() {
+    let place = TestFolder::new();
+    let (video, results) = (place.path("video"), place.path("results"));
+    works(&["synth", "crossing", "--frames", "12", "--size", "96x72", "--out", text(&video)]);
+    let run = |more: &[&str]| {
+        let input = video.join("crossing.mp4");
+        works(&[&["run", text(&input), "--out", text(&results), "--quiet"], more].concat())
+    };
+    let score = |truth: &str| {
+        let output = occluscope(&["score", text(&results), "--truth", truth, "--json"]).output().unwrap();
+        assert!(output.status.success());
+        let score: Value = serde_json::from_slice(&output.stdout).unwrap();
+        (!score["f"].is_null(), String::from_utf8(output.stderr).unwrap())
+    };
+    run(&["--masks"]);
+    let (has_masks, told) = score(text(&video));
+    assert!(has_masks && !told.contains("earlier run"), "{told}");
+    run(&[]);
+    assert!(results.join("masks/bin000001.png").is_file(), "they are kept");
+    let (has_masks, told) = score(text(&video));
+    assert!(!has_masks && told.contains("masks is of an earlier run"), "{told}");
+    // Of ground truth of masks alone nothing is left to judge.
+    let truth = place.path("masks of another");
+    fs::rename(results.join("masks"), &truth).unwrap();
+    let line = fails(&["score", text(&results), "--truth", text(&truth)], 1);
+    assert!(line.contains("results has no masks; run again with --masks"), "{line}");
+    fs::create_dir(results.join("masks")).unwrap();
+    let line = fails(&["score", text(&results), "--truth", text(&truth)], 1);
+    assert!(line.contains("earlier run") && line.contains("--masks"), "{line}");
 }

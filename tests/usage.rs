@@ -35,6 +35,16 @@ fn refusal_of_file(content: &str) -> String {
 }
 
 #[test]
+fn a_video_in_place_of_a_settings_file_is_refused() {
+    let place = TestFolder::new();
+    let (video, file) = (place.path("images"), place.path("street.mp4"));
+    write_images(&video, 2, 1);
+    fs::write(&file, [0_u8, 0, 0, 0x20, 0xff, 0xfe].repeat(1 << 19)).unwrap();
+    let line = fails(&["run", text(&video), "--out", text(&place.path("out")), "--settings", text(&file)], 1);
+    assert!(line.contains("street.mp4 cannot be read: it is not a text file"), "{line}");
+}
+
+#[test]
 fn a_setting_out_of_range_is_refused_with_its_range() {
     let alpha = refusal(&["--alpha", "1"]);
     assert!(alpha.contains("alpha") && alpha.contains("0 < α < 1"), "{alpha}");
@@ -292,6 +302,21 @@ fn a_folder_in_place_of_the_output_file_is_reported() {
     write_images(&place.path("images"), 2, 1);
     let images = place.path("images");
     assert!(fails(&["pixel", text(&images), "--at", "1,1", "--out", text(&images)], 1).contains("images"));
+}
+
+#[cfg(unix)]
+#[test]
+fn an_output_that_cannot_be_made_is_reported_with_a_remedy() {
+    let place = TestFolder::new();
+    write_images(&place.path("images"), 2, 1);
+    let images = place.path("images");
+    let link = place.path("link");
+    std::os::unix::fs::symlink(place.path("gone"), &link).unwrap();
+    let line = fails(&["run", text(&images), "--out", text(&link)], 1);
+    assert!(line.contains("link cannot be written: it is a link to a place that does not exist"), "{line}");
+    let long = place.path(&"n".repeat(300));
+    let line = fails(&["run", text(&images), "--out", text(&long)], 1);
+    assert!(line.contains("its name is too long") && line.contains("choose another name"), "{line}");
 }
 
 #[test]

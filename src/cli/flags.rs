@@ -11,6 +11,7 @@ use clap::builder::{OsStringValueParser, TypedValueParser};
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 
 use crate::regions::Roi;
+use crate::settings::file::read_text;
 use crate::settings::{BackgroundModel, Kind, Preset, SETTINGS, Settings};
 use crate::source::name_of;
 
@@ -99,8 +100,11 @@ pub(super) fn settings(matches: &ArgMatches) -> anyhow::Result<Settings> {
     };
     let mut settings = Settings::preset(preset);
     if let Some(path) = matches.get_one::<PathBuf>("settings") {
-        let text = std::fs::read_to_string(path).with_context(|| {
-            format!("the settings file {} cannot be read; check its path and permissions", path.display())
+        let text = read_text(path).map_err(|error| {
+            anyhow!(
+                "the settings file {} cannot be read: {error}; check its path and permissions, or choose another file",
+                path.display()
+            )
         })?;
         settings.apply_toml(&text, path)?;
     }
@@ -181,13 +185,22 @@ pub(super) fn with_range(command: Command) -> Command {
 pub(super) fn range(matches: &ArgMatches) -> Result<Option<FrameRange>, UsageError> {
     let Some(text) = matches.get_one::<String>("range") else { return Ok(None) };
     let parsed = text.split_once("..").and_then(|(first, last)| {
-        Some(FrameRange { first: first.trim().parse().ok()?, last: last.trim().parse().ok()? })
+        Some(FrameRange { first: frame_number(first)?, last: frame_number(last)? })
     });
     match parsed {
         Some(range) if range.first <= range.last => Ok(Some(range)),
         _ => Err(UsageError(format!(
             "--range cannot be `{text}`: give two frame numbers in ascending order, as in 100..250"
         ))),
+    }
+}
+
+/// A frame number; one beyond the greatest possible is that.
+fn frame_number(text: &str) -> Option<u32> {
+    use std::num::IntErrorKind::PosOverflow;
+    match text.trim().parse() {
+        Ok(number) => Some(number),
+        Err(error) => (*error.kind() == PosOverflow).then_some(u32::MAX),
     }
 }
 
@@ -270,7 +283,9 @@ mod tests {
         assert_eq!(range(&parsed(&["--range", "3..3"])).unwrap(), Some(FrameRange { first: 3, last: 3 }));
         let all = range(&parsed(&["--range", "0..4294967295"])).unwrap().unwrap();
         assert_eq!(all.count(), u32::MAX);
-        for text in ["", "5", "5..", "..5", "5..4", "a..b", "1...4", "-1..4", "1..99999999999"] {
+        let beyond = range(&parsed(&["--range", "1..99999999999"])).unwrap();
+        assert_eq!(beyond, Some(FrameRange { first: 1, last: u32::MAX }));
+        for text in ["", "5", "5..", "..5", "5..4", "a..b", "1...4", "-1..4", "1..-99999999999"] {
             assert!(range(&parsed(&["--range", text])).is_err(), "{text}");
         }
     }

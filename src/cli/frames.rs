@@ -235,8 +235,9 @@ impl Frames {
             }
             Ok(Some(_)) if self.has_begun => self.held.push_back(Item::End),
             Ok(beyond) => {
-                let last_number = self.last_number.filter(|_| beyond.is_none());
-                self.held.extend(at_the_end(&self.info, range, last_number, self.has_begun));
+                let next = beyond.map(|frame| frame.number);
+                let last = self.last_number.filter(|_| next.is_none());
+                self.held.extend(at_the_end(&self.info, range, Around { last, next }, self.has_begun));
                 self.held.push_back(Item::End);
             }
             Err(error) => self.held.push_back(Item::Failed(error.into())),
@@ -245,27 +246,36 @@ impl Frames {
     }
 }
 
+/// The frame numbers around the end of what was received.
+struct Around {
+    /// That of the last frame of the source, if it ended.
+    last: Option<u32>,
+    /// That of the first frame after the range, if there is one.
+    next: Option<u32>,
+}
+
 /// The error of a sequence without frames in its range, or the warning of one that ended before its range did.
 fn at_the_end(
     info: &SourceInfo,
     range: Option<FrameRange>,
-    last_number: Option<u32>,
+    Around { last, next }: Around,
     has_begun: bool,
 ) -> Option<Item> {
     let name = &info.name;
     let failed = |why: String| Some(Item::Failed(anyhow!(why)));
     // Frames that are left out can follow the last one.
     let left_out = info.every() - 1;
-    match (range, last_number) {
+    match (range, last) {
         (None, None) => failed(format!("{name} has no frames that can be read")),
         (Some(range), Some(last)) if last.saturating_add(left_out) < range.first => failed(format!(
             "the range {range} starts beyond the end of {name}, whose last frame is {last}; choose an earlier start"
         )),
         (Some(range), _) if !has_begun => {
             let every = info.every();
+            let next = next.map(|next| format!("; the next frame is {next}")).unwrap_or_default();
             let why = format!("; --every {every} counts from the source's first frame");
             let why = Some(why).filter(|_| every > 1).unwrap_or_default();
-            failed(format!("{name} has no frames in the range {range}{why}"))
+            failed(format!("{name} has no frames in the range {range}{next}{why}; choose another range"))
         }
         (Some(range), Some(last)) if last.saturating_add(left_out) < range.last => {
             Some(Item::Warning(format!("the range {range} is truncated at {last}, the last frame of {name}")))
@@ -356,7 +366,13 @@ mod tests {
             frames.items().map(|item| text_of(&item)).collect()
         };
         assert_eq!(items(2, 20), ["2"]);
-        assert_eq!(items(20, 30), [format!("{video} has no frames in the range 20..30")]);
+        let none = |range: &str, next: u32| {
+            [format!(
+                "{video} has no frames in the range {range}; the next frame is {next}; choose another range"
+            )]
+        };
+        assert_eq!(items(20, 30), none("20..30", 50));
+        assert_eq!(items(0, 0), none("0..0", 1));
         let beyond = &items(60, 70)[..];
         assert!(matches!(beyond, [error] if error.contains("starts beyond the end")), "{beyond:?}");
     }

@@ -82,14 +82,16 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let arguments: Vec<OsString> = arguments.into_iter().collect();
     let matches = match command().try_get_matches_from(&arguments) {
         Ok(matches) => matches,
-        Err(error) => {
-            // A closed pipe, as after `--help | head`, is not a failure.
-            let _ = if error.use_stderr() {
-                writeln!(io::stderr(), "{}", usage_line(&error.to_string(), &arguments))
-            } else {
-                error.print()
-            };
+        Err(error) if error.use_stderr() => {
+            // Where stderr is closed, the message is dropped.
+            let _ = writeln!(io::stderr(), "{}", usage_line(&error.to_string(), &arguments));
             return ExitCode::from(error.exit_code() as u8);
+        }
+        Err(help) => {
+            return match help.print().and_then(|()| io::stdout().flush()) {
+                Ok(()) => ExitCode::SUCCESS,
+                Err(error) => report(&standard_output::failure(error)),
+            };
         }
     };
     install_panic_hook();

@@ -4,6 +4,7 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use anyhow::bail;
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
@@ -20,6 +21,7 @@ use crate::truth::hota::Hota;
 use crate::truth::mask_score;
 use crate::truth::masks::MaskFiles;
 use crate::truth::measures::Measures;
+use crate::truth::run_summary::{self, MasksOfRun};
 use crate::truth::sequence_truth::{Occlusions, Scores, SequenceTruth};
 use crate::truth::survival::Survival;
 use crate::truth::{TruthError, alignment};
@@ -97,7 +99,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
 
 /// The SHA-256 of the summary in the output folder of a run, if there is one: it tells whether a score is of this run.
 pub(super) fn hash_of_summary(folder: &Path) -> Option<String> {
-    let summary = fs::read(folder.join("summary.json")).ok()?;
+    let summary = fs::read(folder.join(run_summary::FILE)).ok()?;
     Some(hexadecimal(&Sha256::digest(summary)))
 }
 
@@ -129,7 +131,7 @@ impl Scored {
             truth = truth.within(part);
         }
         let mut scored = Self::default();
-        if results.has_roi {
+        if results.has_roi() {
             scored.notes.push(
                 "note: ground truth outside the region of interest of the run counts as missed; --crop of `run` leaves it \
                  out"
@@ -138,10 +140,11 @@ impl Scored {
         }
         if let Some(masks) = &truth.masks {
             // Of a scene, which has boxes, too, the masks are judged where there are some.
-            let folder = if results.has_only_tracks() && truth.tracks.is_some() {
+            let may_lack = truth.tracks.is_some();
+            let folder = if results.has_only_tracks() && may_lack {
                 None
             } else {
-                Some(results.masks()?).filter(|folder| truth.tracks.is_none() || folder.is_dir())
+                scored.masks_of(&results, may_lack)?
             };
             if let Some(folder) = folder {
                 scored.add_masks(&folder, masks, &truth.path)?;
@@ -163,6 +166,23 @@ impl Scored {
             scored.add_notes(&comparison, &truth.path);
         }
         Ok(scored)
+    }
+
+    /// The folder of masks to judge. Fails if there is none, unless the results `may_lack` one.
+    fn masks_of(&mut self, results: &ScoredResults, may_lack: bool) -> anyhow::Result<Option<PathBuf>> {
+        let why = match results.masks()? {
+            MasksOfRun::Of(folder) => return Ok(Some(folder)),
+            MasksOfRun::None if may_lack => return Ok(None),
+            MasksOfRun::None => format!("{} has no masks", results.path().display()),
+            MasksOfRun::OfEarlierRun(folder) => {
+                format!("{} is of an earlier run: the last one wrote no masks", folder.display())
+            }
+        };
+        if !may_lack {
+            bail!("{why}; run again with --masks");
+        }
+        self.notes.push(format!("note: {why}; masks are not judged"));
+        Ok(None)
     }
 
     fn add_notes(&mut self, comparison: &Comparison<'_>, truth: &Path) {

@@ -13,11 +13,13 @@ pub(super) fn write(
     content: impl FnOnce(&mut BufWriter<StdoutLock<'static>>) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
     let mut out = BufWriter::new(io::stdout().lock());
-    content(&mut out).map_err(|error| match own_error(error) {
-        Ok(error) => describe(Path::new(NAME), error).into(),
-        Err(other) => other,
-    })?;
-    Ok(out.flush().map_err(|error| describe(Path::new(NAME), error))?)
+    content(&mut out).map_err(|error| own_error(error).map_or_else(|other| other, failure))?;
+    out.flush().map_err(failure)
+}
+
+/// An error of writing to stdout, with its name.
+pub(super) fn failure(error: io::Error) -> anyhow::Error {
+    describe(Path::new(NAME), error).into()
 }
 
 /// An error of writing, or one of the work, which says what it is of.

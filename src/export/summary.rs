@@ -30,6 +30,8 @@ pub struct Summary {
     pub episodes: usize,
     /// Mean share of foreground pixels, 0..=1.
     pub foreground_share: f64,
+    /// The large files and folders that were written on request; others in the output folder are of earlier runs.
+    pub large_files: Vec<&'static str>,
     /// Warnings about the input, one sentence each.
     pub warnings: Vec<String>,
     /// The duration of the analysis.

@@ -31,6 +31,15 @@ pub fn describe(path: &Path, error: io::Error) -> io::Error {
         ErrorKind::PermissionDenied => format!("permission denied; change its permissions, {elsewhere}"),
         ErrorKind::IsADirectory => format!("it is a folder; remove it, {elsewhere}"),
         ErrorKind::NotADirectory => "a part of its path is a file; choose another place".to_owned(),
+        ErrorKind::InvalidFilename => {
+            "its name is too long or not possible here; choose another name".to_owned()
+        }
+        ErrorKind::AlreadyExists if path.is_symlink() && !path.exists() => {
+            "it is a link to a place that does not exist; remove it, or choose another place".to_owned()
+        }
+        ErrorKind::AlreadyExists => {
+            "a file of this name is in its way; remove it, or choose another place".to_owned()
+        }
         ErrorKind::NotFound => "its folder does not exist; create it, or choose another place".to_owned(),
         // The name of a temporary file says nothing to a user.
         _ => {

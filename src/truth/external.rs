@@ -13,6 +13,7 @@ use super::ignored::without_ignored;
 use super::mask_score::{self, MaskScore};
 use super::masks::{TrueMask, TrueMasks};
 use super::result_source::ResultSource;
+use super::run_summary::{MasksOfRun, RunSummary};
 use super::summary::{self, Score};
 use super::{Truth, TruthError};
 use crate::placement::Placement;
@@ -34,12 +35,21 @@ impl ExternalResults {
     /// Reads the results at `path`, of any kind of [`ResultSource`]. Fails with the file that cannot be read, or if there
     /// are neither tracks nor masks.
     pub fn read(path: &Path) -> Result<Self, TruthError> {
+        let mut remarks = Vec::new();
         let (tracks, masks): (Option<PathBuf>, Option<PathBuf>) = match ResultSource::of(path)? {
             ResultSource::Tracks(path) => (Some(path), None),
             ResultSource::Masks(folder) => (None, Some(folder)),
             ResultSource::Run(folder) => {
-                let (tracks, masks) = (folder.join("tracks.csv"), folder.join("masks"));
-                (tracks.is_file().then_some(tracks), masks.is_dir().then_some(masks))
+                let tracks = folder.join("tracks.csv");
+                let masks = match MasksOfRun::find(&folder, RunSummary::read(&folder)?.as_ref()) {
+                    MasksOfRun::None => None,
+                    MasksOfRun::Of(masks) => Some(masks),
+                    MasksOfRun::OfEarlierRun(_) => {
+                        remarks.push("its masks are of an earlier run and left out".to_owned());
+                        None
+                    }
+                };
+                (tracks.is_file().then_some(tracks), masks)
             }
         };
         let file = tracks.map(|path| formats::read(&path, Role::Results)).transpose()?;
@@ -50,8 +60,11 @@ impl ExternalResults {
             return Err(TruthError::new(path, why));
         }
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-        let (boxes, remarks) = file.map(|file| (file.boxes, file.remarks)).unzip();
-        Ok(Self { name, boxes, masks: masks.map(Arc::new), remarks: remarks.unwrap_or_default() })
+        let boxes = file.map(|file| {
+            remarks.extend(file.remarks);
+            file.boxes
+        });
+        Ok(Self { name, boxes, masks: masks.map(Arc::new), remarks })
     }
 
     /// The results of frames that are placed in the source's images: boxes in their pixels, and masks of the source's
@@ -176,6 +189,12 @@ mod tests {
         std::fs::copy(&tracker, run.join("tracks.csv")).unwrap();
         let read = ExternalResults::read(&run).unwrap();
         assert!(read.boxes.is_some_and(|boxes| boxes.len() == 2) && read.masks.is_some());
+        // A later run into the same folder that wrote no masks.
+        let summary = r#"{"input":{"frames":3,"first_frame":1,"last_frame":3},"large_files":[]}"#;
+        std::fs::write(run.join("summary.json"), summary).unwrap();
+        let read = ExternalResults::read(&run).unwrap();
+        assert!(read.boxes.is_some() && read.masks.is_none());
+        assert_eq!(read.remarks, ["its masks are of an earlier run and left out"]);
 
         let labels = folder.path().join("labels");
         std::fs::create_dir(&labels).unwrap();

@@ -4,7 +4,8 @@
 //! [`survival`] score tracks, [`summary`] by all; [`masks`] reads masks of CDnet's levels, [`mask_score`] and
 //! [`mixture_score`] score pixels against them in counts of [`decisions`]; [`alignment`] finds frame numbers that fit better;
 //! [`event_scoring`] scores events and episodes of rendered scenes. [`result_source`] finds the kind of results that are
-//! scored, [`external`] reads those of another method. [`sequence_truth`] is all of a sequence, of which [`comparison`] judges
+//! scored, [`run_summary`] reads what a run states of its
+//! input, [`external`] reads the results of another method. [`sequence_truth`] is all of a sequence, of which [`comparison`] judges
 //! the frames that were [analysed](analysed_frames). [`measures`] are the main results of all under short names, and
 //! [`mask_measures`] those of masks with their means over a data set.
 
@@ -26,6 +27,7 @@ pub mod masks;
 pub mod measures;
 pub mod mixture_score;
 pub mod result_source;
+pub mod run_summary;
 pub mod sequence_truth;
 mod share;
 pub mod summary;

@@ -230,7 +230,7 @@ fn an_error_of_reading_is_told() {
 #[test]
 fn a_full_standard_output_is_told() {
     let told = "error: standard output cannot be written: the disk is full; free some space, or choose another place\n";
-    for arguments in ["settings", "synth --list"] {
+    for arguments in ["settings", "synth --list", "--help", "run --help", "--version"] {
         let line = format!("exec \"$0\" {arguments} >/dev/full");
         let mut command = Command::new("sh");
         let output = command.args(["-c", &line, env!("CARGO_BIN_EXE_occluscope")]).output().unwrap();

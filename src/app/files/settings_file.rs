@@ -1,18 +1,17 @@
 //! Settings files: the same TOML format as on the command line.
 
 use std::fs;
-use std::io::{self, Read};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::app::files::atomic_write;
 use crate::settings::Settings;
+use crate::settings::file::{MAX_BYTES, read_text};
 
 /// The proposed file name.
 pub(crate) const FILE_NAME: &str = "settings.toml";
 /// The file extension.
 pub(crate) const EXTENSION: &str = "toml";
-/// An upper bound of the size of a settings file, in bytes.
-const MAX_FILE_BYTES: u64 = 1 << 20;
 
 /// Writes settings. Returns the path, or an error in a sentence.
 pub(crate) fn write(path: PathBuf, settings: &Settings) -> Result<PathBuf, String> {
@@ -33,20 +32,12 @@ pub(crate) fn read(path: &Path) -> Result<Settings, String> {
 }
 
 fn text_of(path: &Path) -> io::Result<String> {
-    // A pipe would block and a video would be read in full, if chosen by mistake.
+    // A pipe would block, if chosen by mistake.
     let about = fs::metadata(path)?;
-    if !about.is_file() || about.len() > MAX_FILE_BYTES {
+    if !about.is_file() || about.len() > MAX_BYTES {
         return Err(io::Error::other("it is not a settings file"));
     }
-    let mut text = String::new();
-    fs::File::open(path)?.take(MAX_FILE_BYTES).read_to_string(&mut text).map_err(|error| {
-        if error.kind() == io::ErrorKind::InvalidData {
-            io::Error::other("it is not a text file")
-        } else {
-            error
-        }
-    })?;
-    Ok(text)
+    read_text(path)
 }
 
 #[cfg(test)]

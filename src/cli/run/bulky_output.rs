@@ -1,5 +1,7 @@
 //! The files and folders that are written only on request.
 
+use crate::truth::run_summary::MASKS as MASKS_FOLDER;
+
 /// A file or folder that is written only on request.
 pub(super) struct BulkyOutput {
     /// The flag that requests it, without dashes.
@@ -10,8 +12,11 @@ pub(super) struct BulkyOutput {
     pub help: &'static str,
 }
 
-pub(super) const MASKS: BulkyOutput =
-    BulkyOutput { flag: "masks", file: "masks", help: "masks/bin000001.png …: foreground masks, 0 or 255" };
+pub(super) const MASKS: BulkyOutput = BulkyOutput {
+    flag: "masks",
+    file: MASKS_FOLDER,
+    help: "masks/bin000001.png …: foreground masks, 0 or 255",
+};
 pub(super) const LABELS: BulkyOutput = BulkyOutput {
     flag: "labels",
     file: "labels",

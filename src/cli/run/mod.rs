@@ -78,12 +78,12 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     }
     let sha256 = hash.finish(&record)?;
     let objects = tables::write(&record, &job, &staging)?;
-    let counts = summary::Counts { objects, sha256, duration: started.elapsed() };
+    let counts = summary::Counts { objects, sha256, duration: started.elapsed(), has_video: video.is_ok() };
     let summary = summary::summarise(&job, roi.as_deref(), &frames.info, &record, counts);
     summary::write(&summary, &staging)?;
     staging.publish(summary::FILE)?;
 
-    summary::print(&job, &summary, video.is_ok());
+    summary::print(&job, &summary);
     source_flags::note_assumed_fps(&frames.info, job.console);
     source_flags::note_truth(&job.video, &job.out, job.wants(&MASKS), job.console);
     let path = job.out.join(ANNOTATED.file);

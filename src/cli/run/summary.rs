@@ -15,9 +15,7 @@ use crate::occlusion::EventKind;
 use crate::regions::Roi;
 use crate::source::SourceInfo;
 use crate::truth::analysed_frames::AnalysedFrames;
-
-/// The name of the file.
-pub(super) const FILE: &str = "summary.json";
+pub(super) use crate::truth::run_summary::FILE;
 
 /// Prints the properties of the input, with `-v`.
 pub(super) fn print_input(job: &RunJob, frames: &Frames) {
@@ -39,6 +37,8 @@ pub(super) struct Counts {
     pub sha256: Option<String>,
     /// How long the run took.
     pub duration: Duration,
+    /// Whether the video is written if it is requested.
+    pub has_video: bool,
 }
 
 /// The summary of a run; `roi` is the region of interest in the frames.
@@ -47,7 +47,7 @@ pub(super) fn summarise(
     roi: Option<&Roi>,
     info: &SourceInfo,
     record: &RunRecord,
-    Counts { objects, sha256, duration }: Counts,
+    Counts { objects, sha256, duration, has_video }: Counts,
 ) -> Summary {
     let (times, decisions) = (&record.times, &record.results.decisions);
     let frames = times.len() as u32;
@@ -75,6 +75,7 @@ pub(super) fn summarise(
         events: decisions.counters,
         episodes: decisions.episodes.len(),
         foreground_share: record.foreground_share,
+        large_files: large_files(job, has_video),
         warnings: record.warnings.clone(),
         timing: Timing { seconds, frames_per_second: f64::from(frames) / seconds.max(f64::MIN_POSITIVE) },
     }
@@ -85,9 +86,14 @@ pub(super) fn write(summary: &Summary, staging: &Staging) -> io::Result<()> {
     write_file(staging, FILE, |out| summary::write(out, summary))
 }
 
-/// Prints the results, and a note for each large file of an earlier run. `has_video`: whether the video is written if
-/// it is requested.
-pub(super) fn print(job: &RunJob, summary: &Summary, has_video: bool) {
+/// The large files and folders that are written.
+fn large_files(job: &RunJob, has_video: bool) -> Vec<&'static str> {
+    let is_written = |bulky: &BulkyOutput| job.wants(bulky) && (has_video || bulky.flag != ANNOTATED.flag);
+    bulky_output::ALL.iter().filter(|bulky| is_written(bulky)).map(|bulky| bulky.file).collect()
+}
+
+/// Prints the results, and a note for each large file of an earlier run.
+pub(super) fn print(job: &RunJob, summary: &Summary) {
     job.console.note(&format!(
         "{} frames, {} objects, {} occlusion episodes, {:.0} frames/s; written to {}",
         summary.input.frames,
@@ -99,8 +105,7 @@ pub(super) fn print(job: &RunJob, summary: &Summary, has_video: bool) {
     for kind in EventKind::ALL {
         job.console.detail(&format!("{:>9}: {}", kind.name(), summary.events.of(kind)));
     }
-    let is_written = |bulky: &BulkyOutput| job.wants(bulky) && (has_video || bulky.flag != ANNOTATED.flag);
-    let bulky = bulky_output::ALL.iter().map(|bulky| (bulky.file, is_written(bulky)));
+    let bulky = bulky_output::ALL.iter().map(|bulky| (bulky.file, summary.large_files.contains(&bulky.file)));
     for (file, is_written) in bulky.chain([(ROI, job.roi.is_some())]) {
         let path = job.out.join(file);
         if !is_written && path.exists() {
