@@ -59,6 +59,11 @@ fn tracks() {
 }
 
 #[test]
+fn videos() {
+    holds_for_mutations("videos", 200);
+}
+
+#[test]
 fn every_target_has_a_program_and_seeds() {
     for (name, _) in targets::ALL {
         assert!(fuzz_folder().join("fuzz_targets").join(format!("{name}.rs")).is_file(), "{name}");

@@ -15,12 +15,13 @@ pub mod results;
 pub mod settings;
 pub mod tables;
 pub mod tracks;
+pub mod videos;
 
 /// Runs the code under test on an input.
 pub type Target = fn(&[u8]);
 
 /// All targets by name.
-pub const ALL: [(&str, Target); 8] = [
+pub const ALL: [(&str, Target); 9] = [
     ("arguments", arguments::run),
     ("images", images::run),
     ("names", names::run),
@@ -29,6 +30,7 @@ pub const ALL: [(&str, Target); 8] = [
     ("settings", settings::run),
     ("tables", tables::run),
     ("tracks", tracks::run),
+    ("videos", videos::run),
 ];
 
 /// A message to a user is one line.
