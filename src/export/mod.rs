@@ -24,6 +24,7 @@ pub mod report;
 pub mod shares_csv;
 pub mod single_file;
 pub mod source_pixels;
+mod staged_path;
 pub mod staging;
 pub mod statistics_csv;
 pub mod summary;

@@ -3,7 +3,7 @@
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-use super::staging::final_path;
+use super::staged_path::final_path;
 
 /// A file or folder that cannot be written, why, and what to do.
 #[derive(Debug, thiserror::Error)]

@@ -87,12 +87,6 @@ impl Histogram {
         full.into_iter().map(|(_, bin)| bin.mean()).collect()
     }
 
-    /// Appearance similarity: the intersection of the two normalised histograms, 0..=1.
-    pub fn likeness(&self, other: &Self) -> f32 {
-        let (mine, theirs) = (self.smoothed(), other.smoothed());
-        mine.iter().filter_map(|(index, a)| theirs.get(index).map(|b| a.min(*b))).sum()
-    }
-
     /// The share of `area` pixels with the colours of `other` that this histogram can contain: 0..=1.
     pub fn holds(&self, other: &Self, area: f32) -> f32 {
         let scale = area / other.total().max(f32::MIN_POSITIVE);
@@ -101,20 +95,47 @@ impl Histogram {
         (held / area.max(f32::MIN_POSITIVE)).min(1.0)
     }
 
-    /// Normalised counts over coarser, overlapping bins, so that noise that moves a colour across a bin's edge has
-    /// little effect.
-    fn smoothed(&self) -> BTreeMap<u16, f32> {
+    /// The histogram as it is compared with others; making it takes longer than comparing.
+    pub fn smoothed(&self) -> SmoothedHistogram {
         let total = self.total().max(f32::MIN_POSITIVE);
-        let mut shares = BTreeMap::new();
+        let mut shares = Vec::with_capacity(8 * self.bins.len());
         for (&index, bin) in &self.bins {
             let level = |shift: u16| (index >> shift) & 15;
             for (dr, dg, db) in (0..8).map(|bits: u16| (bits & 1, bits >> 1 & 1, bits >> 2)) {
                 let cell = ((level(8) + dr) >> 1) * 81 + ((level(4) + dg) >> 1) * 9 + ((level(0) + db) >> 1);
-                *shares.entry(cell | (dr | dg << 1 | db << 2) << 10).or_insert(0.0) +=
-                    bin.count / total / 8.0;
+                shares.push((cell | (dr | dg << 1 | db << 2) << 10, bin.count / total / 8.0));
             }
         }
-        shares
+        // Stable, so that the shares of a cell are added in the order of the bins.
+        shares.sort_by_key(|&(cell, _)| cell);
+        shares.dedup_by(|(cell, share), (kept, sum)| {
+            let is_same = cell == kept;
+            if is_same {
+                *sum += *share;
+            }
+            is_same
+        });
+        SmoothedHistogram { shares }
+    }
+}
+
+/// Normalised counts of a histogram over coarser, overlapping bins, so that noise that moves a colour across a bin's edge
+/// has little effect.
+#[derive(Clone, Debug, Default)]
+pub struct SmoothedHistogram {
+    /// The coarser bins that are not empty, ascending, and their shares.
+    shares: Vec<(u16, f32)>,
+}
+
+impl SmoothedHistogram {
+    /// Appearance similarity: the intersection of the two, 0..=1.
+    pub fn likeness(&self, other: &Self) -> f32 {
+        let mut theirs = other.shares.iter().peekable();
+        let common = self.shares.iter().filter_map(|&(cell, mine)| {
+            while theirs.next_if(|(other, _)| *other < cell).is_some() {}
+            theirs.next_if(|(other, _)| *other == cell).map(|&(_, theirs)| mine.min(theirs))
+        });
+        common.sum()
     }
 }
 
@@ -166,6 +187,8 @@ impl Tally {
 
 #[cfg(test)]
 pub(crate) mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     pub(crate) fn histogram(colours: &[(Rgb, u32)]) -> Histogram {
@@ -174,6 +197,37 @@ pub(crate) mod tests {
             histogram.add_many(colour, count);
         }
         histogram
+    }
+
+    fn likeness(a: &Histogram, b: &Histogram) -> f32 {
+        a.smoothed().likeness(&b.smoothed())
+    }
+
+    proptest! {
+        #[test]
+        fn the_likeness_is_the_common_share_of_the_eight_coarser_grids(
+            one in prop::collection::vec((prop::array::uniform3(0_u8..90), 1_u32..20), 1..30),
+            other in prop::collection::vec((prop::array::uniform3(0_u8..90), 1_u32..20), 1..30),
+        ) {
+            // Each grid has cells of two bins per channel, and is moved by a bin along some of the channels.
+            let shares = |histogram: &Histogram, moved: [u16; 3]| {
+                let mut shares = BTreeMap::new();
+                for (index, bin) in histogram.bins() {
+                    let levels = [index >> 8, index >> 4 & 15, index & 15];
+                    let cell = [0, 1, 2].map(|channel| (levels[channel] + moved[channel]) >> 1);
+                    *shares.entry(cell).or_insert(0.0) += bin.count / histogram.total() / 8.0;
+                }
+                shares
+            };
+            let (one, other) = (histogram(&one), histogram(&other));
+            let mut expected = 0.0;
+            for moved in (0..8).map(|bits: u16| [bits & 1, bits >> 1 & 1, bits >> 2]) {
+                let theirs = shares(&other, moved);
+                let common = |(cell, mine): (&[u16; 3], &f32)| theirs.get(cell).map(|theirs| mine.min(*theirs));
+                expected += shares(&one, moved).iter().filter_map(common).sum::<f32>();
+            }
+            prop_assert!((likeness(&one, &other) - expected).abs() < 1e-5, "{expected}");
+        }
     }
 
     #[test]
@@ -202,9 +256,9 @@ pub(crate) mod tests {
     #[test]
     fn likeness_is_one_for_equal_and_zero_for_disjoint_histograms() {
         let red = histogram(&[([200, 0, 0], 10)]);
-        assert!((red.likeness(&histogram(&[([200, 0, 0], 3)])) - 1.0).abs() < 1e-5);
-        assert_eq!(red.likeness(&histogram(&[([0, 0, 200], 3)])), 0.0);
-        let across_the_edge = red.likeness(&histogram(&[([207, 0, 0], 5), ([208, 0, 0], 5)]));
+        assert!((likeness(&red, &histogram(&[([200, 0, 0], 3)])) - 1.0).abs() < 1e-5);
+        assert_eq!(likeness(&red, &histogram(&[([0, 0, 200], 3)])), 0.0);
+        let across_the_edge = likeness(&red, &histogram(&[([207, 0, 0], 5), ([208, 0, 0], 5)]));
         assert!(across_the_edge > 0.7, "{across_the_edge}");
     }
 }

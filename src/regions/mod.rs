@@ -15,7 +15,7 @@ pub mod roi;
 pub mod shape;
 
 pub use cleaning::Cleaning;
-pub use colour::{Histogram, Rgb};
+pub use colour::{Histogram, Rgb, SmoothedHistogram};
 pub use components::{LabelRun, Labels, find_regions};
 pub use mosaic::Mosaic;
 pub use roi::Roi;

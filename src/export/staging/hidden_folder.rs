@@ -6,10 +6,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// The beginning of the names of hidden folders.
-pub(super) const PREFIX: &str = ".occluscope-";
-/// The folder of the files that are being written.
-pub(super) const NEW: &str = "new";
+use crate::export::staged_path::{NEW, PREFIX};
+
 /// The folder of the files that are being replaced.
 const OLD: &str = "old";
 /// The file that is locked as long as its writer lives.

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 pub use hidden_folder::remove_all;
 
 use super::write_failure::describe;
-use hidden_folder::{HiddenFolder, NEW, PREFIX};
+use hidden_folder::HiddenFolder;
 
 /// Bytes that tell whether the disk is full.
 const PROBE_BYTES: usize = 1 << 20;
@@ -129,21 +129,6 @@ fn make_folders(folder: &Path, made: &mut Vec<PathBuf>) -> io::Result<()> {
         }
     }
     Ok(())
-}
-
-/// The final path of a staged file, and any other path as it is.
-pub(super) fn final_path(path: &Path) -> PathBuf {
-    let is_hidden = |part: &std::path::Component<'_>| part.as_os_str().to_string_lossy().starts_with(PREFIX);
-    let mut parts = path.components().peekable();
-    let mut result = PathBuf::new();
-    while let Some(part) = parts.next() {
-        if is_hidden(&part) {
-            parts.next_if(|part| part.as_os_str() == NEW);
-        } else {
-            result.push(part);
-        }
-    }
-    result
 }
 
 /// Matches `000012.png`, `bin000012.png`.

@@ -1,7 +1,9 @@
 //! Assignment of group members to the regions after a demerge (Algorithms 1 and 3).
 
+use crate::occlusion::state::comparable_colours::ComparableColours;
 use crate::occlusion::state::object::Object;
 use crate::occlusion::state::split_region::{AssociationScore, SplitRegion};
+use crate::regions::Rect;
 use crate::settings::Settings;
 
 /// Weight of full colour similarity against predicted motion, in nats. Large, as Algorithm 3 compares colours first;
@@ -12,15 +14,15 @@ const MIN_MOTION_NATS: f32 = -10.0;
 /// Standard deviation of ln(area of a region / area of its objects).
 const LOG_AREA_SIGMA: f32 = 0.6;
 
-/// The score of an object for a region. `position_sigma` is the standard deviation of its predicted place, in pixels.
+/// The score of an object for a region with this box. `position_sigma` is the standard deviation of the object's predicted
+/// place, in pixels; the similarity of colours and their ΔE are those of [`ComparableColours::similarity`].
 pub(crate) fn association_score(
     object: &Object,
     position_sigma: f32,
-    region: &SplitRegion,
-    settings: &Settings,
+    bbox: &Rect,
+    (colour, delta_e): (f32, f32),
 ) -> AssociationScore {
-    let (colour, delta_e) = object.colour_similarity(&region.histogram, settings);
-    let distance = object.predicted_box().distance_outside(&region.bbox);
+    let distance = object.predicted_box().distance_outside(bbox);
     let motion = (-0.5 * (distance / position_sigma).powi(2)).max(MIN_MOTION_NATS);
     AssociationScore { colour, delta_e, distance, motion }
 }
@@ -33,8 +35,14 @@ pub(crate) fn association_scores(
     regions: &[SplitRegion],
     settings: &Settings,
 ) -> Vec<Vec<AssociationScore>> {
+    let seen: Vec<ComparableColours> =
+        regions.iter().map(|region| ComparableColours::new(&region.histogram, settings)).collect();
     let row = |(object, &sigma): (&&Object, &f32)| {
-        regions.iter().map(|region| association_score(object, sigma, region, settings)).collect()
+        let colours = object.comparable_colours(settings);
+        let score = |(region, seen): (&SplitRegion, &ComparableColours)| {
+            association_score(object, sigma, &region.bbox, colours.similarity(seen, settings))
+        };
+        regions.iter().zip(&seen).map(score).collect()
     };
     objects.iter().zip(position_sigma).map(row).collect()
 }
@@ -165,8 +173,10 @@ fn best_assignment(
         best: None,
         least: f32::NEG_INFINITY,
         steps: 0,
+        max_steps: MAX_SEARCH_STEPS.min(MAX_SEARCH_WORK / (values.len() * regions).max(1)),
     };
-    search.least = search.dive();
+    search.least = search.dive()?;
+    search.steps = 0;
     let complete = search.extend(values.len(), 0.0);
     search.best.filter(|_| complete).map(|(_, assigned)| assigned)
 }
@@ -174,6 +184,9 @@ fn best_assignment(
 /// A search takes at most so many partial assignments: an exhaustive one over 50 000 assignments takes no more than
 /// these, which is some milliseconds.
 const MAX_SEARCH_STEPS: usize = 100_000;
+/// The time of a step grows with the objects times the regions; the product of this with the steps is at most so much, also
+/// some milliseconds. Up to 100 objects times regions it limits nothing.
+const MAX_SEARCH_WORK: usize = 100 * MAX_SEARCH_STEPS;
 /// A partial assignment is left when its bound is below a total that is reached, by this share of both: more than sums
 /// of 32-bit numbers differ in another order.
 const BOUND_MARGIN_SHARE: f32 = 1e-3;
@@ -192,21 +205,33 @@ struct Search<'a, B, T> {
     /// A total that some assignment reaches.
     least: f32,
     steps: usize,
+    max_steps: usize,
 }
 
 impl<B: Fn(&[usize]) -> Option<f32>, T: Fn(&[usize]) -> f32> Search<'_, B, T> {
-    /// The total where each object, the last first, has the best allowed region; −∞ where none is allowed.
-    fn dive(&mut self) -> f32 {
+    /// The total where each object, the last first, has the best allowed region; −∞ where none is allowed. `None` where
+    /// this takes too long.
+    fn dive(&mut self) -> Option<f32> {
         for object in (0..self.values.len()).rev() {
             let row = self.values.get(object).map(Vec::as_slice).unwrap_or_default();
             let mut regions: Vec<(usize, f32)> = row.iter().copied().enumerate().collect();
             regions.sort_by(|a, b| b.1.total_cmp(&a.1));
-            let allowed = regions.into_iter().any(|(region, _)| self.set(object, region).is_some());
+            let mut allowed = false;
+            for (region, _) in regions {
+                self.steps += 1;
+                if self.steps > self.max_steps {
+                    return None;
+                }
+                allowed = self.set(object, region).is_some();
+                if allowed {
+                    break;
+                }
+            }
             if !allowed {
-                return f32::NEG_INFINITY;
+                return Some(f32::NEG_INFINITY);
             }
         }
-        (self.total)(&self.assigned)
+        Some((self.total)(&self.assigned))
     }
 
     /// Assigns a region to an object, those after it being assigned; gives the bound.
@@ -228,7 +253,7 @@ impl<B: Fn(&[usize]) -> Option<f32>, T: Fn(&[usize]) -> f32> Search<'_, B, T> {
         };
         for region in 0..self.regions {
             self.steps += 1;
-            if self.steps > MAX_SEARCH_STEPS {
+            if self.steps > self.max_steps {
                 return false;
             }
             let Some(term) = self.set(object, region) else { continue };
@@ -310,6 +335,26 @@ mod tests {
         let scores = vec![vec![AssociationScore::default(); 6]; 18];
         let present: Vec<usize> = (0..18).map(|object| object % 6).collect();
         assert_eq!(reassign_to_regions(&scores, &present, 6), present);
+    }
+
+    #[test]
+    fn the_search_of_a_huge_group_is_short() {
+        let (objects, regions) = (300, 60);
+        let calls = std::cell::Cell::new(0);
+        let bound = |_: &[usize]| {
+            calls.set(calls.get() + 1);
+            Some(0.0)
+        };
+        assert_eq!(best_assignment(&vec![vec![0.0; regions]; objects], regions, bound, |_| 0.0), None);
+        assert!(calls.get() * objects * regions <= 2 * MAX_SEARCH_WORK, "{}", calls.get());
+        // Where no assignment is allowed at all, already the first one is given up.
+        let refuse = |_: &[usize]| {
+            calls.set(calls.get() + 1);
+            None
+        };
+        calls.set(0);
+        assert_eq!(best_assignment(&vec![vec![0.0; 2000]; 4000], 2000, refuse, |_| 0.0), None);
+        assert!(calls.get() <= 2, "{}", calls.get());
     }
 
     /// All assignments one after the other: the definition of [`best_assignment`].

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use super::assign;
 use super::emission::emit_demerge;
 use crate::occlusion::event::{Comparison, Evidence};
+use crate::occlusion::state::comparable_colours::ComparableColours;
 use crate::occlusion::state::context::Context;
 use crate::occlusion::state::decisions::{Decisions, PendingDemerge};
 use crate::occlusion::state::groups::GroupChange;
@@ -150,10 +151,14 @@ fn decide_demerge(context: &Context, table: &mut ObjectTable, demerge: &mut Pend
     {
         return;
     }
+    let settings = &context.settings;
+    let seen: Vec<ComparableColours> =
+        demerge.regions.iter().map(|region| ComparableColours::new(&region.histogram, settings)).collect();
     let mut scores = demerge.scores.clone();
     for (row, object) in scores.iter_mut().zip(table.objects_of(&demerge.members)) {
-        for (score, region) in row.iter_mut().zip(&demerge.regions) {
-            (score.colour, score.delta_e) = object.colour_similarity(&region.histogram, &context.settings);
+        let colours = object.comparable_colours(settings);
+        for (score, seen) in row.iter_mut().zip(&seen) {
+            (score.colour, score.delta_e) = colours.similarity(seen, settings);
         }
     }
     let assigned = assign::reassign_to_regions(&scores, &demerge.region_of, demerge.regions.len());

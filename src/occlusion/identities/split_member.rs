@@ -3,12 +3,13 @@
 use crate::occlusion::event::Evidence;
 use crate::occlusion::events::assign;
 use crate::occlusion::events::demerges::settle_demerges_of;
+use crate::occlusion::state::comparable_colours::ComparableColours;
 use crate::occlusion::state::context::Context;
 use crate::occlusion::state::decisions::Decisions;
 use crate::occlusion::state::groups::GroupChange;
 use crate::occlusion::state::object::Object;
 use crate::occlusion::state::object_table::ObjectTable;
-use crate::occlusion::state::split_region::{AssociationScore, SplitRegion};
+use crate::occlusion::state::split_region::AssociationScore;
 use crate::tracking::ObjectId;
 
 /// A member left at most this many standard deviations from its predicted place.
@@ -55,11 +56,7 @@ fn best_candidate(
     id: ObjectId,
     new: &Object,
 ) -> Option<Candidate> {
-    let region = SplitRegion {
-        bbox: new.first_bbox,
-        area: new.last_detection.area,
-        histogram: new.last_detection.histogram.clone(),
-    };
+    let colours = ComparableColours::new(&new.last_detection.histogram, &context.settings);
     let mut best: Option<(f32, Candidate)> = None;
     for group in table.blobs().iter().filter(|it| it.is_shared() && !it.members().contains(&id)) {
         let due: f32 = table.objects_of(group.members()).map(Object::area).sum();
@@ -71,10 +68,12 @@ fn best_candidate(
                 continue;
             }
             let sigma = object.position_sigma(Some(decisions.group_episodes.duration_of(member, context.t)));
-            let score = assign::association_score(object, sigma, &region, &context.settings);
-            if score.distance > MAX_DISTANCE_SIGMAS * sigma {
+            if object.predicted_box().distance_outside(&new.first_bbox) > MAX_DISTANCE_SIGMAS * sigma {
                 continue;
             }
+            let similarity =
+                object.comparable_colours(&context.settings).similarity(&colours, &context.settings);
+            let score = assign::association_score(object, sigma, &new.first_bbox, similarity);
             let value = assign::total_nats(score);
             if best.is_none_or(|(most, _)| value > most) {
                 let members = group.members().len();

@@ -1,6 +1,7 @@
 //! What all stages share: the `context` (settings and frame), the objects with their place in the `object_table`, and
 //! the `decisions` that wait for later frames.
 
+pub(crate) mod comparable_colours;
 pub(crate) mod context;
 pub(crate) mod decisions;
 pub(crate) mod group_episodes;

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
+use super::comparable_colours::{ComparableColours, dominant_colours};
 use super::context::FrameRef;
 use super::perspective::Perspective;
 use super::template::Template;
 use crate::occlusion::event::{Comparison, EventKind};
-use crate::regions::colour::delta_e;
 use crate::regions::{Histogram, Mosaic, Rect, Rgb};
 use crate::settings::{ColourMemory, Placing, Settings};
 use crate::tracking::ObjectId;
@@ -435,21 +435,14 @@ impl Object {
         }
     }
 
+    /// Its colours, to be compared with those of detections.
+    pub(crate) fn comparable_colours(&self, settings: &Settings) -> ComparableColours {
+        ComparableColours::new(self.histogram(settings), settings)
+    }
+
     /// Colour similarity to a detection, 0..=1.2, and the least ΔE between two of their dominant colours.
     pub(crate) fn colour_similarity(&self, seen: &Histogram, settings: &Settings) -> (f32, f32) {
-        let mine = self.histogram(settings);
-        let least = dominant_colours(mine, settings)
-            .iter()
-            .flat_map(|&a| dominant_colours(seen, settings).into_iter().map(move |b| delta_e(a, b)))
-            .fold(f32::INFINITY, f32::min);
-        let same = if least <= settings.same_colour { 1.0 } else { 0.0 };
-        let similarity = match settings.colour_memory {
-            ColourMemory::Frame => same,
-            // Several objects often share one dominant colour, such as dark trousers; the whole histogram measures
-            // the degree of similarity.
-            ColourMemory::Clear => mine.likeness(seen) + 0.2 * same,
-        };
-        (similarity, least)
+        self.comparable_colours(settings).similarity(&ComparableColours::new(seen, settings), settings)
     }
 }
 
@@ -462,13 +455,6 @@ pub(crate) fn clamp_around(middle: f32, slack: f32, value: f32) -> f32 {
 /// The template of a first detection, where the settings use templates.
 pub(crate) fn template_of(detection: &Detection, settings: &Settings) -> Option<Template> {
     (settings.placing == Placing::Looks).then(|| Template::new(&detection.mosaic, &detection.bbox))
-}
-
-fn dominant_colours(histogram: &Histogram, settings: &Settings) -> Vec<Rgb> {
-    match settings.colour_memory {
-        ColourMemory::Frame => histogram.dominant().into_iter().collect(),
-        ColourMemory::Clear => histogram.dominant_at_least(0.5),
-    }
 }
 
 #[cfg(test)]
