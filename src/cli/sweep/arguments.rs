@@ -25,7 +25,8 @@ pub fn command() -> Command {
     let command = Command::new("sweep")
         .about("Score every combination of some settings against ground truth, on a video or a data set")
         .after_help(
-            "Writes into DIR: sweep.csv (a row per sequence and combination), settings.toml (the settings outside the \
+            "Writes into DIR: sweep.csv (a row per sequence and combination), categories.csv (CDnet's means of masks by category, where \
+             sequences are in folders of categories), settings.toml (the settings outside the \
              grid), heatmaps/, report.html; rows.jsonl holds the rows that are complete, so that the same command goes \
              on where an earlier one was stopped, and computes only what a changed grid adds.\n\nThe best rows are \
              printed: of each sequence, and of the one setting that is best overall, where categories (the folders \

@@ -32,6 +32,7 @@ use crate::sweep::pass::Outcome;
 use crate::sweep::scoring;
 use crate::sweep::sequence_frames::SequenceFrames;
 use crate::sweep::table::{Row, SweepTable};
+use crate::truth::measures::OF_MASKS;
 use arguments::SweepJob;
 use opened_sequence::OpenedSequence;
 use passes::{Combinations, PassResult};
@@ -125,7 +126,7 @@ fn open_sequences(job: &SweepJob) -> anyhow::Result<(Vec<OpenedSequence>, Vec<St
 fn check_measure(job: &SweepJob, sequences: &[OpenedSequence]) -> anyhow::Result<()> {
     let (needed, is_there): (&str, fn(&OpenedSequence) -> bool) = match job.by.name {
         "score" => return Ok(()),
-        "f" | "precision" | "recall" | "pwc" => ("masks", |sequence| sequence.kinds.masks),
+        name if OF_MASKS.contains(&name) => ("masks", |sequence| sequence.kinds.masks),
         "episode_recall" | "episode_precision" => {
             ("episodes", |sequence| sequence.truth.occlusions.is_some())
         }
