@@ -249,13 +249,14 @@ impl<'a> Layout<'a> {
         canvas.text([x, place.y + (place.h - TEXT) / 2.0], TEXT, &text, Paint::solid(ink));
     }
 
-    /// The colours from the best value, at the top, to the worst.
+    /// The colours from that of the best value, at the top, to the first of the scale.
     fn draw_scale(&self, canvas: &mut Canvas<'_>, bottom: f32) {
-        let Some([worst, best]) = self.map.ends else { return };
+        let Some([_, best]) = self.map.ends else { return };
+        let first = self.map.scale().map(|[first, _]| first);
         let (left, top) = (self.corner[0] + self.cell[0] * self.map.columns as f32 + GAP, self.corner[1]);
         let height = (bottom - top) / SCALE as f32;
         for step in 0..SCALE {
-            let share = if best == worst { 1.0 } else { 1.0 - step as f32 / (SCALE - 1) as f32 };
+            let share = if first.is_none() { 1.0 } else { 1.0 - step as f32 / (SCALE - 1) as f32 };
             // One more pixel, so that no seams are between the steps.
             let step = Rect::new(
                 left,
@@ -266,8 +267,8 @@ impl<'a> Layout<'a> {
             canvas.fill(&step, Paint::solid(ramp(share)));
         }
         canvas.text([left + 38.0, top], TEXT, &self.measure.text(best), Paint::solid(INK));
-        if best != worst {
-            canvas.text([left + 38.0, bottom - TEXT], TEXT, &self.measure.text(worst), Paint::solid(INK));
+        if let Some(first) = first {
+            canvas.text([left + 38.0, bottom - TEXT], TEXT, &self.measure.text(first), Paint::solid(INK));
         }
     }
 }
@@ -304,6 +305,31 @@ mod tests {
         }
         let best = layout.cell_place(map.best().unwrap());
         assert_eq!(frame.pixel((best.x + 5.0) as u32, (best.y + best.h / 2.0) as u32), Some(INK));
+    }
+
+    #[test]
+    fn the_bar_states_the_scale_of_the_cells() {
+        let mut table = table(&Data { axes: &["k=3,4"], sequences: 1, ..Data::default() });
+        for (row, hota) in table.rows.iter_mut().zip([0.389, 0.376]) {
+            row.measures.tracks.as_mut().unwrap().hota.hota = hota;
+        }
+        let (files, _) = files(&table);
+        let file = files.iter().find(|file| file.measure.name == "hota").unwrap();
+        let map = HeatMap::new(&table, file.subject, file.measure, file.axes);
+        let layout = Layout::new(file, &table, &map);
+        let frame = file.draw(&table);
+        let [left, top] = layout.corner;
+        let (bar, bottom) = (left + 2.0 * layout.cell[0] + GAP, top + layout.cell[1]);
+        // The text at the lower end of the bar is the value that the lowest colour has.
+        let first = map.scale().unwrap()[0];
+        assert_eq!(map.share(first), 0.0);
+        let mut expected = frame.clone();
+        let place = [bar + 38.0, bottom - TEXT];
+        let canvas = &mut Canvas::new(&mut expected);
+        canvas.fill(&Rect::new(place[0], place[1], 6.0 * TEXT, TEXT + 4.0), Paint::solid(PAPER));
+        canvas.text(place, TEXT, &file.measure.text(first), Paint::solid(INK));
+        assert!(expected.rgb == frame.rgb, "the lower end of the bar is not {first}");
+        assert_eq!(frame.pixel(bar as u32 + 8, bottom as u32 - 2), Some(ramp(0.0)));
     }
 
     #[test]
