@@ -299,6 +299,25 @@ fn a_sequence_that_fails_does_not_end_the_others() {
 }
 
 #[test]
+fn without_a_terminal_only_details_are_printed() {
+    let place = TestFolder::new();
+    let root = place.path("set");
+    write_data_set(&root, 30);
+    for (out, flags, lines) in [("silent", &[][..], 0), ("detailed", &["-v"], 2)] {
+        let out = place.path(out);
+        let arguments = ["sweep", "--dataset", text(&root), "--grid", "k=2,3", "--out", text(&out)];
+        let output = occluscope(&[&arguments[..], flags].concat()).output().unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert!(
+            output.status.success()
+                && stderr.lines().filter(|line| line.contains("% of all")).count() == lines,
+            "{stderr}"
+        );
+        assert!(lines > 0 || stderr.is_empty(), "{stderr}");
+    }
+}
+
+#[test]
 fn wrong_usage_and_truth_are_told_in_a_line_before_any_work() {
     let place = TestFolder::new();
     let root = place.path("set");

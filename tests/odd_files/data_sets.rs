@@ -24,8 +24,6 @@ fn sweep(place: &TestFolder, flags: &[&str]) -> Said {
     let output = command.timeout(crate::PATIENCE).output().unwrap();
     let stderr = String::from_utf8(output.stderr).unwrap();
     let lines: Vec<String> = stderr.lines().map(ToOwned::to_owned).collect();
-    // Lines of progress are of no interest here.
-    let lines = lines.into_iter().filter(|line| line.contains(": ") && !line.contains("% of all")).collect();
     Said { status: output.status.code().unwrap(), stdout: String::from_utf8(output.stdout).unwrap(), lines }
 }
 
