@@ -206,10 +206,13 @@ impl Sweep<'_> {
             match self.compute_rows(index, missing, known, &progress) {
                 Ok(()) => {}
                 Err(_) if interrupt::is_stop_requested() => bail!(
-                    "stopped; {} of {} rows are complete, the computed ones in {}; repeat the command to go on",
+                    "stopped; {} of {} rows are complete{}; repeat the command to go on",
                     self.table.rows.len(),
                     self.sequences.len() * self.combinations.len(),
-                    self.job.out.join(row_log::FILE).display()
+                    match self.log.place() {
+                        place if place.is_empty() => place,
+                        place => format!(", the computed ones{place}"),
+                    }
                 ),
                 Err(Failure::Output(error)) => return Err(error),
                 Err(Failure::Sequence(error)) if self.sequences.len() == 1 => return Err(error),
@@ -313,8 +316,8 @@ impl Sweep<'_> {
             let result = passes::run(self.job, sequence, &one, Some(combination), &progress, false);
             if interrupt::is_stop_requested() {
                 bail!(
-                    "stopped; all rows are complete in {}, repeat the command for the report",
-                    self.job.out.join(row_log::FILE).display()
+                    "stopped; all rows are complete{}, repeat the command for the report",
+                    self.log.place()
                 );
             }
             if let Err(error) = result.and_then(|result| self.record(index, combination, &result)) {
