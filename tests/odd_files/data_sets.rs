@@ -89,8 +89,10 @@ fn folders_that_are_left_out_are_told() {
     fs::write(root.join("scene/scene.json"), "{\"video\": \"sc").unwrap();
     let said = sweep(&place, &[]);
     assert_eq!((said.status, swept(&place).len()), (0, 3));
-    let told = said.lines.iter().any(|line| line.contains("a, scene below") && line.contains("scene.json"));
-    assert!(told, "{:?}", said.lines);
+    for (name, part) in [("a", "neither groundtruth/ nor gt/gt.txt"), ("scene", "scene.json is damaged")] {
+        let told = |line: &String| line.contains(&format!("{name} below")) && line.contains(part);
+        assert!(said.lines.iter().any(told), "{:?}", said.lines);
+    }
 }
 
 #[test]

@@ -40,8 +40,8 @@ pub fn command() -> Command {
         .arg(path(
             "dataset",
             "ROOT",
-            "All sequences below this folder: folders with input/ and groundtruth/, or img1/ and gt/gt.txt, or scenes \
-             written by `synth`",
+            "All sequences below this folder: folders with images in input/ or img1/, or one video file, beside \
+             groundtruth/ or gt/gt.txt, and scenes written by `synth`",
         ))
         .arg(
             Arg::new("sequence")
@@ -155,8 +155,8 @@ fn sequences(matches: &ArgMatches) -> anyhow::Result<Vec<Sequence>> {
             }
             if found.sequences.is_empty() {
                 bail!(
-                    "{} has no sequences; they are folders with input/ and groundtruth/, or img1/ and gt/gt.txt, or \
-                     scenes written by `synth`",
+                    "{} has no sequences; they are folders with images in input/ or img1/, or one video file, beside \
+                     groundtruth/ or gt/gt.txt, and scenes written by `synth`",
                     root.display()
                 );
             }
