@@ -35,7 +35,13 @@ pub fn command() -> Command {
              scores\n  occluscope sweep --dataset MOT17 --grid t=0.5..0.9:5 --by idf1 --out swept",
         )
         .arg(flags::video())
-        .arg(path("truth", "PATH", "Ground truth of VIDEO, of any kind that `score` reads"))
+        .arg(
+            Arg::new("truth")
+                .long("truth")
+                .value_name("PATH")
+                .value_parser(value_parser!(PathBuf))
+                .help(format!("Ground truth of VIDEO: {}", flags::TRUTH)),
+        )
         .arg(flags::offset())
         .arg(path(
             "dataset",
