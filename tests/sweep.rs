@@ -170,6 +170,32 @@ fn a_stopped_sweep_goes_on_and_a_larger_grid_computes_what_it_adds() {
 }
 
 #[test]
+fn a_sweep_that_is_stopped_before_its_first_row_names_no_file() {
+    let place = TestFolder::new();
+    let root = place.path("set");
+    write_data_set(&root, 400);
+    let out = place.path("swept");
+    let child = occluscope(&["sweep", "--dataset", text(&root), "--threads", "1", "--out", text(&out)]);
+    let child = Command::new(child.get_program())
+        .args(child.get_args())
+        .args(["--grid", "k=2,3,4,5", "--grid", "alpha=0.01,0.02"])
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let started = Instant::now();
+    while !out.join("rows.jsonl").exists() {
+        assert!(started.elapsed() < Duration::from_mins(5), "no file of rows in five minutes");
+        thread::sleep(Duration::from_millis(1));
+    }
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.code() == Some(1) && message.contains("repeat the command"), "{message}");
+    let is_there = out.join("rows.jsonl").exists();
+    assert_eq!(message.contains("rows.jsonl"), is_there, "{message}");
+}
+
+#[test]
 fn rows_of_scored_runs_are_taken() {
     let place = TestFolder::new();
     let root = place.path("set");
@@ -296,6 +322,25 @@ fn a_sequence_that_fails_does_not_end_the_others() {
     let rows = rows(&out);
     assert_eq!((rows.len(), &*rows[0]["sequence"]), (1, "boxed/block"));
     assert!(fs::read_to_string(out.join("report.html")).unwrap().contains("gt000020.png"));
+}
+
+#[test]
+fn without_a_terminal_only_details_are_printed() {
+    let place = TestFolder::new();
+    let root = place.path("set");
+    write_data_set(&root, 30);
+    for (out, flags, lines) in [("silent", &[][..], 0), ("detailed", &["-v"], 2)] {
+        let out = place.path(out);
+        let arguments = ["sweep", "--dataset", text(&root), "--grid", "k=2,3", "--out", text(&out)];
+        let output = occluscope(&[&arguments[..], flags].concat()).output().unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert!(
+            output.status.success()
+                && stderr.lines().filter(|line| line.contains("% of all")).count() == lines,
+            "{stderr}"
+        );
+        assert!(lines > 0 || stderr.is_empty(), "{stderr}");
+    }
 }
 
 #[test]

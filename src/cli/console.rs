@@ -70,7 +70,8 @@ pub(super) fn one_line(text: &str) -> String {
     shown(&lines.join(" ")).replace(char::is_control, " ")
 }
 
-/// The progress of a long work of several parts: a bar with the time left on a terminal, lines elsewhere.
+/// The progress of a long work of several parts: a bar with the time left, shown on a terminal only, and a line for each
+/// complete part with `-v`.
 pub(super) struct LongProgress {
     bar: ProgressBar,
     console: Console,
@@ -87,7 +88,7 @@ impl LongProgress {
         self.bar.inc(work);
     }
 
-    /// Prints that a part is done, with the share of the whole and the time left.
+    /// Prints with `-v` that a part is done, with the share of the whole and the time left.
     pub(super) fn part_done(&self, part: &str) {
         let total = self.bar.length().unwrap_or(0).max(1);
         let left = if self.bar.position() < total {
@@ -96,7 +97,7 @@ impl LongProgress {
             String::new()
         };
         let percent = 100 * self.bar.position().min(total) / total;
-        self.note(&format!("{part} ({percent} % of all{left})"));
+        self.bar.suspend(|| self.console.detail(&format!("{part} ({percent} % of all{left})")));
     }
 
     /// Prints a note.

@@ -33,6 +33,10 @@ pub(super) fn source_name() -> impl TypedValueParser<Value = String> {
     OsStringValueParser::new().map(name_of)
 }
 
+/// What ground truth can be: the readers that all commands and the window share.
+pub(super) const TRUTH: &str = "tracks (MOTChallenge text or its sequence folder, CVAT XML, CAVIAR's CVML, COCO JSON, a \
+     folder of label images), masks (a CDnet folder, or a folder of masks of 0 and 255), or a scene written by `synth`";
+
 /// `--offset`.
 pub(super) fn offset() -> Arg {
     Arg::new("offset")

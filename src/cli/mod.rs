@@ -181,4 +181,18 @@ mod tests {
     fn the_command_line_is_valid() {
         command().debug_assert();
     }
+
+    #[test]
+    fn ground_truth_is_the_same_in_every_command() {
+        let root = command();
+        let mut count = 0;
+        for command in std::iter::once(&root).chain(root.get_subcommands()) {
+            for argument in command.get_arguments().filter(|argument| argument.get_id() == "truth") {
+                let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
+                assert!(help.contains(flags::TRUTH), "{}: {help}", command.get_name());
+                count += 1;
+            }
+        }
+        assert_eq!(count, 3);
+    }
 }

@@ -59,7 +59,7 @@ pub fn command() -> Command {
                 .value_name("PATH")
                 .required(true)
                 .value_parser(value_parser!(PathBuf))
-                .help("Ground truth: tracks, masks, or a scene written by `synth`; see below"),
+                .help(format!("Ground truth: {}; see below", flags::TRUTH)),
         )
         .arg(flags::offset())
         .arg(

@@ -26,10 +26,11 @@ pub(super) fn with_arguments(command: Command) -> Command {
             "Memory budget for decoded frames and checkpoints, in MiB [default: a quarter of the \
          machine's memory]",
         );
-    let truth =
-        Arg::new("truth").long("truth").value_name("PATH").value_parser(value_parser!(PathBuf)).help(
-            "Ground truth for scoring: a MOTChallenge file, a CDnet folder, or a scene written by `synth`",
-        );
+    let truth = Arg::new("truth")
+        .long("truth")
+        .value_name("PATH")
+        .value_parser(value_parser!(PathBuf))
+        .help(format!("Ground truth for scoring: {}", flags::TRUTH));
     let command = command.arg(video).arg(truth).arg(memory);
     flags::with_common(flags::with_settings(flags::with_roi(source_flags::with_options(command))))
 }

@@ -42,27 +42,30 @@ pub struct HeatMapFile {
     pub axes: MapAxes,
 }
 
-/// The pictures of a sweep, at most 200: of all sequences first, then of each, by measure. With them the number of those
-/// that are left out.
+/// The pictures of a sweep, at most 200: of all sequences first, then of each, by measure. There is none of a measure that no
+/// combination has. With them the number of those that are left out.
 pub fn files(table: &SweepTable) -> (Vec<HeatMapFile>, usize) {
     let mut subjects = vec![Subject::All];
     if table.sequences.len() > 1 {
         subjects.extend((0..table.sequences.len()).map(Subject::Sequence));
     }
     let (measures, maps) = (mapped_measures(table), maps_of(&table.grid));
-    let count = subjects.len() * measures.len() * maps.len();
+    let has_values = |subject: Subject, measure: &MeasureColumn| {
+        (0..table.grid.combinations()).any(|at| subject.value(table, at, measure).is_some())
+    };
     let mut files = Vec::new();
     // Of all sequences every measure, then measure by measure every sequence.
     let (all, each) = subjects.split_at(1);
     for part in [all, each] {
         for &measure in &measures {
-            for &subject in part {
+            for &subject in part.iter().filter(|subject| has_values(**subject, measure)) {
                 files.extend(maps.iter().map(|&axes| HeatMapFile::new(table, subject, measure, axes)));
             }
         }
     }
+    let left_out = files.len().saturating_sub(MAX_PICTURES);
     files.truncate(MAX_PICTURES);
-    (files, count.saturating_sub(MAX_PICTURES))
+    (files, left_out)
 }
 
 /// Whether a file of this name can be a heat map of another sweep.
@@ -249,13 +252,14 @@ impl<'a> Layout<'a> {
         canvas.text([x, place.y + (place.h - TEXT) / 2.0], TEXT, &text, Paint::solid(ink));
     }
 
-    /// The colours from the best value, at the top, to the worst.
+    /// The colours from that of the best value, at the top, to the first of the scale.
     fn draw_scale(&self, canvas: &mut Canvas<'_>, bottom: f32) {
-        let Some([worst, best]) = self.map.ends else { return };
+        let Some([_, best]) = self.map.ends else { return };
+        let first = self.map.scale().map(|[first, _]| first);
         let (left, top) = (self.corner[0] + self.cell[0] * self.map.columns as f32 + GAP, self.corner[1]);
         let height = (bottom - top) / SCALE as f32;
         for step in 0..SCALE {
-            let share = if best == worst { 1.0 } else { 1.0 - step as f32 / (SCALE - 1) as f32 };
+            let share = if first.is_none() { 1.0 } else { 1.0 - step as f32 / (SCALE - 1) as f32 };
             // One more pixel, so that no seams are between the steps.
             let step = Rect::new(
                 left,
@@ -266,8 +270,8 @@ impl<'a> Layout<'a> {
             canvas.fill(&step, Paint::solid(ramp(share)));
         }
         canvas.text([left + 38.0, top], TEXT, &self.measure.text(best), Paint::solid(INK));
-        if best != worst {
-            canvas.text([left + 38.0, bottom - TEXT], TEXT, &self.measure.text(worst), Paint::solid(INK));
+        if let Some(first) = first {
+            canvas.text([left + 38.0, bottom - TEXT], TEXT, &self.measure.text(first), Paint::solid(INK));
         }
     }
 }
@@ -304,6 +308,30 @@ mod tests {
         }
         let best = layout.cell_place(map.best().unwrap());
         assert_eq!(frame.pixel((best.x + 5.0) as u32, (best.y + best.h / 2.0) as u32), Some(INK));
+    }
+
+    #[test]
+    fn the_bar_states_the_scale_of_the_cells() {
+        let mut table = table(&Data { axes: &["k=3,4"], sequences: 1, ..Data::default() });
+        for (row, hota) in table.rows.iter_mut().zip([0.389, 0.376]) {
+            row.measures.tracks.as_mut().unwrap().hota.hota = hota;
+        }
+        let (files, _) = files(&table);
+        let file = files.iter().find(|file| file.measure.name == "hota").unwrap();
+        let map = HeatMap::new(&table, file.subject, file.measure, file.axes);
+        let layout = Layout::new(file, &table, &map);
+        let frame = file.draw(&table);
+        let [left, top] = layout.corner;
+        let (bar, bottom) = (left + 2.0 * layout.cell[0] + GAP, top + layout.cell[1]);
+        // The text at the lower end of the bar is the value that the lowest colour has.
+        let first = map.scale().unwrap()[0];
+        assert_eq!(map.share(first), 0.0);
+        let mut expected = frame.clone();
+        let place = [bar + 38.0, bottom - TEXT];
+        let canvas = &mut Canvas::new(&mut expected);
+        canvas.fill(&Rect::new(place[0], place[1], 6.0 * TEXT, TEXT + 4.0), Paint::solid(PAPER));
+        canvas.text(place, TEXT, &file.measure.text(first), Paint::solid(INK));
+        assert!(expected.rgb == frame.rgb, "the lower end of the bar is not {first}");
     }
 
     #[test]
@@ -348,6 +376,26 @@ mod tests {
         {
             assert!(!is_name_of_map(other), "{other}");
         }
+    }
+
+    #[test]
+    fn a_sequence_has_no_picture_of_a_measure_without_values() {
+        let mut table = table(&Data { axes: &["k=3,4"], sequences: 2, ..Data::default() });
+        for row in &mut table.rows {
+            if row.sequence == 0 {
+                row.measures.masks = None;
+            } else {
+                (row.measures.tracks, row.measures.episodes) = (None, None);
+            }
+        }
+        let (files, left_out) = files(&table);
+        let names: Vec<_> = files.iter().map(|file| file.name.as_str()).collect();
+        let of_all = ["score-k.png", "f-k.png", "mota-k.png", "hota-k.png"];
+        let of_each = ["score", "score", "f", "mota", "hota"].into_iter().zip([0, 1, 1, 0, 0]);
+        let of_each =
+            of_each.map(|(measure, at)| format!("{:03}-{}-{measure}-k.png", at + 1, table.sequences[at]));
+        let expected: Vec<String> = of_all.into_iter().map(str::to_owned).chain(of_each).collect();
+        assert_eq!((names, left_out), (expected.iter().map(String::as_str).collect(), 0));
     }
 
     #[test]

@@ -5,6 +5,7 @@
 
 pub mod annotate;
 pub mod canvas;
+pub mod categories_csv;
 pub mod coco_json;
 pub mod cvat_xml;
 pub mod episodes_csv;

@@ -13,7 +13,9 @@ use crate::sweep::grid::{Axis, Grid};
 use crate::sweep::table::{Row, SweepTable};
 use crate::truth::hota::Hota;
 use crate::truth::mask_measures::MaskMeasures;
-use crate::truth::measures::{COLUMNS, EpisodeMeasures, MeasureColumn, Measures, OBJECTIVE, TrackMeasures};
+use crate::truth::measures::{
+    COLUMNS, EpisodeMeasures, MeasureColumn, Measures, OBJECTIVE, OF_MASKS, TrackMeasures,
+};
 
 /// The first column.
 const SEQUENCE: &str = "sequence";
@@ -56,7 +58,7 @@ pub fn write(out: &mut impl Write, table: &SweepTable) -> io::Result<()> {
 }
 
 /// Reads a table. Its axes have the values that are in the file, in the order in which they appear; measures that are no
-/// column of it are NaN, as the specificity of masks. Fails at the first row that is cut or has a value that cannot be.
+/// column of it are NaN, as the specificity of masks in files of earlier versions. Fails at the first row that is cut or has a value that cannot be.
 pub fn read(path: &Path) -> Result<SweepTable, SweepCsvError> {
     let fail = |why: String| SweepCsvError { path: path.to_owned(), why };
     let file = File::open(path).map_err(|error| fail(error.to_string()))?;
@@ -190,9 +192,11 @@ fn measures(values: &[(&str, Option<f64>)]) -> Result<Measures, String> {
         }
     };
     let unknown = f64::NAN;
-    let masks = all(&["f", "precision", "recall", "pwc"])?.and_then(|values| {
-        let [f, precision, recall, pwc] = values[..] else { return None };
-        Some(MaskMeasures { f, precision, recall, pwc, specificity: unknown, fpr: unknown, fnr: unknown })
+    let with_rates = all(&OF_MASKS[4..])?.is_some();
+    let masks = all(if with_rates { &OF_MASKS } else { &OF_MASKS[..4] })?.and_then(|mut values| {
+        values.resize(OF_MASKS.len(), unknown);
+        let [f, precision, recall, pwc, specificity, fpr, fnr] = values[..] else { return None };
+        Some(MaskMeasures { f, precision, recall, pwc, specificity, fpr, fnr })
     });
     let tracks = all(&["mota", "idf1", "hota", "switches"])?.and_then(|values| {
         let [mota, idf1, hota, switches] = values[..] else { return None };
@@ -252,7 +256,9 @@ mod tests {
                     precision: 1.0,
                     recall: 0.25,
                     pwc: 100.0 * share,
-                    ..MaskMeasures::default()
+                    specificity: 1.0 - share,
+                    fpr: share,
+                    fnr: 0.75,
                 };
                 let hota = Hota { hota: share.sqrt(), ..Hota::default() };
                 let tracks = TrackMeasures {
@@ -294,10 +300,11 @@ mod tests {
     fn a_table_reads_back_as_the_same() {
         let table = table();
         let text = written(|out| write(out, &table));
-        let header = "sequence,rate,alpha,bootstrap,f,precision,recall,pwc,mota,idf1,hota,switches,seconds\n";
+        let header = "sequence,rate,alpha,bootstrap,f,precision,recall,pwc,specificity,fpr,fnr,mota,idf1,hota,\
+                      switches,seconds\n";
         assert!(text.starts_with(header), "{text}");
         assert!(text.contains(
-            "\"night/a, \"\"b\"\"\",weight,0.0005,0,0.333333333,1,0.25,33.3333333,,,,,12.8333333\n"
+            "\"night/a, \"\"b\"\"\",weight,0.0005,0,0.333333333,1,0.25,33.3333333,0.666666667,0.333333333,0.75,,,,,12.8333333\n"
         ));
         let read = read_text(text.as_bytes()).unwrap();
         assert_eq!((&read.sequences, read.rows.len()), (&table.sequences, table.rows.len()));
@@ -312,6 +319,16 @@ mod tests {
             }
         }
         assert_eq!(written(|out| write(out, &read)), text);
+    }
+
+    #[test]
+    fn a_table_without_the_rates_of_masks_has_none() {
+        let text = "sequence,k,f,precision,recall,pwc,seconds\na,3,0.5,0.5,0.5,2,1\n";
+        let table = read_text(text.as_bytes()).unwrap();
+        assert_eq!(table.rows[0].measures.masks.unwrap().recall, 0.5);
+        let names: Vec<_> = columns(&table).iter().map(|column| column.name).collect();
+        assert_eq!(names, ["f", "precision", "recall", "pwc"]);
+        assert_eq!(written(|out| write(out, &table)), text);
     }
 
     #[test]
@@ -348,6 +365,8 @@ mod tests {
                 "line 2: some of f, precision, recall, pwc",
             ),
             ("sequence,f,seconds\na,1,1\n", "line 2: some of f"),
+            ("sequence,fpr,seconds\na,1,1\n", "line 2: some of specificity, fpr, fnr"),
+            ("sequence,fpr,fnr,specificity,seconds\na,1,1,1,1\n", "line 2: some of f, precision"),
             ("sequence,mota,idf1,hota,switches,seconds\na,1,1,1,-1,1\n", "switches is `-1`, not a count"),
         ] {
             let error = read_text(text.as_bytes()).unwrap_err();

@@ -8,10 +8,17 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use crate::source::{SceneFolder, name_of};
+use crate::source::{SceneFolder, VIDEO_ENDINGS, name_of};
 
 /// How deep below the data set's folder sequences are looked for.
 const MAX_DEPTH: usize = 6;
+
+/// The folder of true masks, beside that of the images.
+const MASKS: &str = "groundtruth";
+/// Ground truth beside the images of a sequence.
+const TRUTHS: [&str; 2] = [MASKS, "gt/gt.txt"];
+/// The folders of images beside ground truth.
+const IMAGES: [&str; 2] = ["input", "img1"];
 
 /// A sequence with its ground truth.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -36,8 +43,14 @@ pub struct DataSet {
 /// Why a folder of a data set is left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LeftOut {
-    /// It has images or ground truth alone, or a description that cannot be read.
-    Incomplete,
+    /// It has images, but no ground truth.
+    NoTruth,
+    /// It has ground truth, but neither images nor a video.
+    NoImages,
+    /// It has ground truth and several videos.
+    SeveralVideos,
+    /// It is a scene without a part, or with a description that cannot be read.
+    DamagedScene,
     /// It cannot be read.
     Unreadable,
     /// Another sequence has its name, as characters that cannot be written are replaced.
@@ -48,8 +61,17 @@ impl LeftOut {
     /// The reason and a remedy.
     pub const fn text(self) -> &'static str {
         match self {
-            Self::Incomplete => {
-                "there are images without ground truth, the reverse, or a damaged scene.json; complete or remove them"
+            Self::NoTruth => {
+                "there are images, but neither groundtruth/ nor gt/gt.txt; add one, or name the ground truth with --sequence"
+            }
+            Self::NoImages => {
+                "there is ground truth, but no images in input/ or img1/ and no video beside it; add them, or name them with --sequence"
+            }
+            Self::SeveralVideos => {
+                "there are several videos beside the ground truth; name the right one with --sequence"
+            }
+            Self::DamagedScene => {
+                "scene.json is damaged or missing, or the video that it names or truth/gt.txt is; write the scene again"
             }
             Self::Unreadable => "the folder cannot be read; check its permissions",
             Self::SameName => {
@@ -66,8 +88,8 @@ pub fn sequence_name(file: &OsStr) -> String {
     if name.trim().is_empty() { "sequence".to_owned() } else { name }
 }
 
-/// The sequences below `root`, or that at `root`, by name: folders with `input/` and `groundtruth/`, with `img1/` and
-/// `gt/gt.txt`, and scenes written by `synth`. Fails if `root` cannot be read.
+/// The sequences below `root`, or that at `root`, by name: folders with images in `input/` or `img1/`, or one video file,
+/// beside `groundtruth/` or `gt/gt.txt`, and scenes written by `synth`. Fails if `root` cannot be read.
 ///
 /// A folder that several links lead to is taken once.
 pub fn sequences_below(root: &Path) -> io::Result<DataSet> {
@@ -114,22 +136,41 @@ fn search(
                 found.leave_out(LeftOut::SameName, name);
             }
             Some(sequence) => found.sequences.push(sequence),
-            None if is_incomplete(&path) => found.leave_out(LeftOut::Incomplete, name),
-            None if depth < MAX_DEPTH && search(&path, &name, depth + 1, found, visited).is_err() => {
-                found.leave_out(LeftOut::Unreadable, name);
-            }
-            None => {}
+            None => match missing_part(&path) {
+                Some(why) => found.leave_out(why, name),
+                None if depth < MAX_DEPTH && search(&path, &name, depth + 1, found, visited).is_err() => {
+                    found.leave_out(LeftOut::Unreadable, name);
+                }
+                None => {}
+            },
         }
     }
     Ok(())
 }
 
-/// Whether a folder has a part of a data set's layout without the others: images without ground truth, or ground truth
-/// without images.
-fn is_incomplete(folder: &Path) -> bool {
-    ["input", "img1", "groundtruth", "gt/gt.txt", "scene.json", "truth/gt.txt"]
-        .iter()
-        .any(|name| folder.join(name).exists())
+/// What a folder lacks that has a part of a data set's layout, but is no sequence; `None` if it has no part.
+fn missing_part(folder: &Path) -> Option<LeftOut> {
+    let has = |names: [&str; 2]| names.iter().any(|name| folder.join(name).exists());
+    match (has(TRUTHS), has(IMAGES)) {
+        (true, false) if videos_in(folder).len() > 1 => Some(LeftOut::SeveralVideos),
+        (true, _) => Some(LeftOut::NoImages),
+        (false, true) => Some(LeftOut::NoTruth),
+        (false, false) => has(["scene.json", "truth/gt.txt"]).then_some(LeftOut::DamagedScene),
+    }
+}
+
+/// The video files in a folder, by their endings.
+fn videos_in(folder: &Path) -> Vec<PathBuf> {
+    let is_video = |path: &PathBuf| {
+        let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        VIDEO_ENDINGS.contains(&ending.as_str()) && path.is_file() && !is_hidden(path)
+    };
+    let files = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    files.filter(is_video).collect()
+}
+
+fn is_hidden(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'))
 }
 
 /// The sequence in a folder, if it is that of one.
@@ -139,9 +180,23 @@ fn sequence_at(folder: &Path, name: &str) -> Option<Sequence> {
     if let Some(SceneFolder { truth: Some(truth), .. }) = SceneFolder::at(folder) {
         return Some(sequence(folder, truth));
     }
+    if let Some((video, truth)) = video_beside_truth(folder) {
+        return Some(sequence(&video, truth));
+    }
     let video = folder.join(video_of_scene(folder)?);
     (video.is_file() && folder.join("truth").join("gt.txt").is_file())
         .then(|| sequence(&video, folder.to_owned()))
+}
+
+/// The only video file in a folder, and the ground truth beside it, if the folder has no place for images.
+fn video_beside_truth(folder: &Path) -> Option<(PathBuf, PathBuf)> {
+    let truth = TRUTHS.iter().find(|truth| folder.join(truth).exists())?;
+    if IMAGES.iter().any(|images| folder.join(images).exists()) {
+        return None;
+    }
+    let [video] = <[PathBuf; 1]>::try_from(videos_in(folder)).ok()?;
+    let truth = if *truth == MASKS { folder.to_owned() } else { folder.join(truth) };
+    Some((video, truth))
 }
 
 /// The name of the video of a scene written by `synth`.
@@ -175,6 +230,19 @@ mod tests {
             "tree/scene.json",
             "tree/truth/gt.txt",
             "untrue/img1/000001.jpg",
+            "filmed/street.AVI",
+            "filmed/gt/gt.txt",
+            "filmed/notes.txt",
+            "masked/a.mp4",
+            "masked/groundtruth/gt000001.png",
+            "twice/a.mp4",
+            "twice/b.mkv",
+            "twice/gt/gt.txt",
+            "empty/input/notes.txt",
+            "empty/preview.mp4",
+            "empty/groundtruth/gt000001.png",
+            "unseen/gt/gt.txt",
+            "cut/scene.json",
             "notes/readme.txt",
             ".hidden/img1/000001.jpg",
             ".hidden/gt/gt.txt",
@@ -190,11 +258,23 @@ mod tests {
             std::os::unix::fs::symlink(root.path().join(to), root.path().join(link)).unwrap();
         }
         let DataSet { sequences: found, left_out } = sequences_below(root.path()).unwrap();
-        assert_eq!(left_out, BTreeMap::from([(LeftOut::Incomplete, vec!["untrue".to_owned()])]));
-        let names: Vec<_> = found.iter().map(|it| &it.name).collect();
-        assert_eq!(names, ["MOT-9", "MOT-10", "again", "shadow/cubicle"], "natural order, once each");
-        assert_eq!(Path::new(&found[2].video), root.path().join("again/tree.mp4"));
-        assert_eq!(found[3].truth, root.path().join("shadow/cubicle"));
+        let names = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect::<Vec<_>>();
+        let expected = [
+            (LeftOut::NoTruth, names(&["untrue"])),
+            (LeftOut::NoImages, names(&["empty", "unseen"])),
+            (LeftOut::SeveralVideos, names(&["twice"])),
+            (LeftOut::DamagedScene, names(&["cut"])),
+        ];
+        assert_eq!(left_out, BTreeMap::from(expected));
+        let names: Vec<_> = found.iter().map(|it| &*it.name).collect();
+        let expected = ["MOT-9", "MOT-10", "again", "filmed", "masked", "shadow/cubicle"];
+        assert_eq!(names, expected, "natural order, once each");
+        let at = |name: &str| found.iter().find(|it| it.name == name).unwrap();
+        assert_eq!(Path::new(&at("again").video), root.path().join("again/tree.mp4"));
+        assert_eq!(at("shadow/cubicle").truth, root.path().join("shadow/cubicle"));
+        assert_eq!(Path::new(&at("filmed").video), root.path().join("filmed/street.AVI"));
+        assert_eq!(at("filmed").truth, root.path().join("filmed/gt/gt.txt"));
+        assert_eq!(at("masked").truth, root.path().join("masked"));
         let single = sequences_below(&root.path().join("tree")).unwrap();
         assert_eq!(single.sequences.iter().map(|it| &it.name).collect::<Vec<_>>(), ["tree"]);
         assert!(sequences_below(&root.path().join("notes")).unwrap().sequences.is_empty());

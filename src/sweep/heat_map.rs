@@ -138,16 +138,18 @@ impl HeatMap {
         self.cells.iter().position(|cell| cell.is_some_and(|cell| cell.value == best))
     }
 
-    /// The position of a value between the worst, 0, and the best, 1. Values close to the best are near 1, however
-    /// close the worst is: a small difference is no contrast.
+    /// The values of the first and the last colour: the last is that of the best value, the first that of the worst or,
+    /// where it is close to the best, of one farther off, as a small difference is no contrast. `None` where there is one
+    /// value only, or none.
+    pub fn scale(&self) -> Option<[f64; 2]> {
+        let [worst, best] = self.ends.filter(|[worst, best]| worst != best)?;
+        let span = (best - worst).abs().max(MIN_SPAN * best.abs().max(worst.abs()));
+        Some([best + span.copysign(worst - best), best])
+    }
+
+    /// The position of a value on the scale: 0 where it begins, 1 for the best.
     pub fn share(&self, value: f64) -> f32 {
-        match self.ends {
-            Some([worst, best]) if best != worst => {
-                let span = (best - worst).abs().max(MIN_SPAN * best.abs().max(worst.abs()));
-                (1.0 - (best - value).abs() / span) as f32
-            }
-            _ => 1.0,
-        }
+        self.scale().map_or(1.0, |[first, best]| (1.0 - (best - value).abs() / (best - first).abs()) as f32)
     }
 }
 
@@ -191,6 +193,17 @@ mod tests {
         let map = HeatMap::new(&table, Subject::All, pwc, axes);
         assert_eq!((map.best(), map.ends), (Some(5), Some([15.0 / 16.0, 5.0 / 16.0])));
         assert!(map.share(5.0 / 16.0) > map.share(0.5));
+    }
+
+    #[test]
+    fn a_small_difference_takes_a_part_of_the_scale() {
+        let table = table(&["k=3,4"], |at| Some([0.5, 0.495][at]));
+        let axes = MapAxes { across: 0, down: None };
+        for (name, worst, first) in [("f", 0.495, 0.475), ("pwc", 0.505, 0.525_25)] {
+            let map = HeatMap::new(&table, Subject::All, measures::column(name).unwrap(), axes);
+            assert!((map.scale().unwrap()[0] - first).abs() < 1e-9, "{name}: {:?}", map.scale());
+            assert!((map.share(first) - 0.0).abs() < 1e-6 && map.share(worst) > 0.75, "{name}");
+        }
     }
 
     #[test]

@@ -71,8 +71,11 @@ pub fn column(name: &str) -> Option<&'static MeasureColumn> {
     COLUMNS.iter().find(|column| column.name == name)
 }
 
+/// The names of CDnet's measures of masks, the first of [`COLUMNS`].
+pub const OF_MASKS: [&str; 7] = ["f", "precision", "recall", "pwc", "specificity", "fpr", "fnr"];
+
 /// The measures of tables, in their order.
-pub static COLUMNS: [MeasureColumn; 10] = [
+pub static COLUMNS: [MeasureColumn; 13] = [
     MeasureColumn {
         name: "f",
         label: "F",
@@ -100,6 +103,27 @@ pub static COLUMNS: [MeasureColumn; 10] = [
         meaning: "Percentage of wrong classifications of the masks",
         more_is_better: false,
         of: |measures| Some(measures.masks?.pwc),
+    },
+    MeasureColumn {
+        name: "specificity",
+        label: "specificity",
+        meaning: "Share of the true background that the masks leave out",
+        more_is_better: true,
+        of: |measures| known(measures.masks?.specificity),
+    },
+    MeasureColumn {
+        name: "fpr",
+        label: "FPR",
+        meaning: "False positive rate: share of the true background that the masks have",
+        more_is_better: false,
+        of: |measures| known(measures.masks?.fpr),
+    },
+    MeasureColumn {
+        name: "fnr",
+        label: "FNR",
+        meaning: "False negative rate: share of the true foreground that the masks leave out",
+        more_is_better: false,
+        of: |measures| known(measures.masks?.fnr),
     },
     MeasureColumn {
         name: "mota",
@@ -144,6 +168,11 @@ pub static COLUMNS: [MeasureColumn; 10] = [
         of: |measures| Some(measures.episodes?.episode_precision),
     },
 ];
+
+/// A value that a table can lack: NaN is none.
+fn known(value: f64) -> Option<f64> {
+    (!value.is_nan()).then_some(value)
+}
 
 /// The measures that the ground truth permits, each serialised under its own name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -237,6 +266,16 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
+
+    #[test]
+    fn the_measures_of_masks_come_first() {
+        let masks = MaskMeasures { fpr: f64::NAN, ..MaskMeasures::default() };
+        let measures = Measures { masks: Some(masks), ..Measures::default() };
+        assert_eq!(COLUMNS.iter().map(|column| column.name).collect::<Vec<_>>()[..7], OF_MASKS);
+        let known = COLUMNS.iter().filter(|column| (column.of)(&measures).is_some());
+        let known: Vec<_> = known.map(|column| column.name).collect();
+        assert_eq!(known, ["f", "precision", "recall", "pwc", "specificity", "fnr"]);
+    }
 
     #[test]
     fn a_value_has_the_digits_of_its_measure() {

@@ -24,8 +24,6 @@ fn sweep(place: &TestFolder, flags: &[&str]) -> Said {
     let output = command.timeout(crate::PATIENCE).output().unwrap();
     let stderr = String::from_utf8(output.stderr).unwrap();
     let lines: Vec<String> = stderr.lines().map(ToOwned::to_owned).collect();
-    // Lines of progress are of no interest here.
-    let lines = lines.into_iter().filter(|line| line.contains(": ") && !line.contains("% of all")).collect();
     Said { status: output.status.code().unwrap(), stdout: String::from_utf8(output.stdout).unwrap(), lines }
 }
 
@@ -91,8 +89,10 @@ fn folders_that_are_left_out_are_told() {
     fs::write(root.join("scene/scene.json"), "{\"video\": \"sc").unwrap();
     let said = sweep(&place, &[]);
     assert_eq!((said.status, swept(&place).len()), (0, 3));
-    let told = said.lines.iter().any(|line| line.contains("a, scene below") && line.contains("scene.json"));
-    assert!(told, "{:?}", said.lines);
+    for (name, part) in [("a", "neither groundtruth/ nor gt/gt.txt"), ("scene", "scene.json is damaged")] {
+        let told = |line: &String| line.contains(&format!("{name} below")) && line.contains(part);
+        assert!(said.lines.iter().any(told), "{:?}", said.lines);
+    }
 }
 
 #[test]

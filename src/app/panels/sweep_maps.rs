@@ -27,6 +27,8 @@ const CELL: [f32; 2] = [60.0, 30.0];
 const HEADER: f32 = 20.0;
 /// Width of a choice.
 const CHOICE_WIDTH: f32 = 220.0;
+/// Largest height of a list of choices, that of all measures.
+const LIST_HEIGHT: f32 = 360.0;
 /// Height of the dialog's parts around the cells.
 const AROUND: f32 = 340.0;
 
@@ -183,7 +185,8 @@ fn select<T: Copy + PartialEq>(
     text: impl Fn(&T) -> String,
 ) {
     let label = ui.weak(label).id;
-    let combo = ComboBox::from_id_salt(label).selected_text(text(value)).width(CHOICE_WIDTH).truncate();
+    let combo = ComboBox::from_id_salt(label).selected_text(text(value)).width(CHOICE_WIDTH);
+    let combo = combo.height(LIST_HEIGHT).truncate();
     let shown = combo.show_ui(ui, |ui| {
         for one in values {
             ui.selectable_value(value, *one, text(one));

@@ -25,7 +25,8 @@ pub fn command() -> Command {
     let command = Command::new("sweep")
         .about("Score every combination of some settings against ground truth, on a video or a data set")
         .after_help(
-            "Writes into DIR: sweep.csv (a row per sequence and combination), settings.toml (the settings outside the \
+            "Writes into DIR: sweep.csv (a row per sequence and combination), categories.csv (CDnet's means of masks by category, where \
+             sequences are in folders of categories), settings.toml (the settings outside the \
              grid), heatmaps/, report.html; rows.jsonl holds the rows that are complete, so that the same command goes \
              on where an earlier one was stopped, and computes only what a changed grid adds.\n\nThe best rows are \
              printed: of each sequence, and of the one setting that is best overall, where categories (the folders \
@@ -34,13 +35,19 @@ pub fn command() -> Command {
              scores\n  occluscope sweep --dataset MOT17 --grid t=0.5..0.9:5 --by idf1 --out swept",
         )
         .arg(flags::video())
-        .arg(path("truth", "PATH", "Ground truth of VIDEO, of any kind that `score` reads"))
+        .arg(
+            Arg::new("truth")
+                .long("truth")
+                .value_name("PATH")
+                .value_parser(value_parser!(PathBuf))
+                .help(format!("Ground truth of VIDEO: {}", flags::TRUTH)),
+        )
         .arg(flags::offset())
         .arg(path(
             "dataset",
             "ROOT",
-            "All sequences below this folder: folders with input/ and groundtruth/, or img1/ and gt/gt.txt, or scenes \
-             written by `synth`",
+            "All sequences below this folder: folders with images in input/ or img1/, or one video file, beside \
+             groundtruth/ or gt/gt.txt, and scenes written by `synth`",
         ))
         .arg(
             Arg::new("sequence")
@@ -154,8 +161,8 @@ fn sequences(matches: &ArgMatches) -> anyhow::Result<Vec<Sequence>> {
             }
             if found.sequences.is_empty() {
                 bail!(
-                    "{} has no sequences; they are folders with input/ and groundtruth/, or img1/ and gt/gt.txt, or \
-                     scenes written by `synth`",
+                    "{} has no sequences; they are folders with images in input/ or img1/, or one video file, beside \
+                     groundtruth/ or gt/gt.txt, and scenes written by `synth`",
                     root.display()
                 );
             }

@@ -32,6 +32,7 @@ use crate::sweep::pass::Outcome;
 use crate::sweep::scoring;
 use crate::sweep::sequence_frames::SequenceFrames;
 use crate::sweep::table::{Row, SweepTable};
+use crate::truth::measures::OF_MASKS;
 use arguments::SweepJob;
 use opened_sequence::OpenedSequence;
 use passes::{Combinations, PassResult};
@@ -125,7 +126,7 @@ fn open_sequences(job: &SweepJob) -> anyhow::Result<(Vec<OpenedSequence>, Vec<St
 fn check_measure(job: &SweepJob, sequences: &[OpenedSequence]) -> anyhow::Result<()> {
     let (needed, is_there): (&str, fn(&OpenedSequence) -> bool) = match job.by.name {
         "score" => return Ok(()),
-        "f" | "precision" | "recall" | "pwc" => ("masks", |sequence| sequence.kinds.masks),
+        name if OF_MASKS.contains(&name) => ("masks", |sequence| sequence.kinds.masks),
         "episode_recall" | "episode_precision" => {
             ("episodes", |sequence| sequence.truth.occlusions.is_some())
         }
@@ -205,10 +206,13 @@ impl Sweep<'_> {
             match self.compute_rows(index, missing, known, &progress) {
                 Ok(()) => {}
                 Err(_) if interrupt::is_stop_requested() => bail!(
-                    "stopped; {} of {} rows are complete, the computed ones in {}; repeat the command to go on",
+                    "stopped; {} of {} rows are complete{}; repeat the command to go on",
                     self.table.rows.len(),
                     self.sequences.len() * self.combinations.len(),
-                    self.job.out.join(row_log::FILE).display()
+                    match self.log.place() {
+                        place if place.is_empty() => place,
+                        place => format!(", the computed ones{place}"),
+                    }
                 ),
                 Err(Failure::Output(error)) => return Err(error),
                 Err(Failure::Sequence(error)) if self.sequences.len() == 1 => return Err(error),
@@ -312,8 +316,8 @@ impl Sweep<'_> {
             let result = passes::run(self.job, sequence, &one, Some(combination), &progress, false);
             if interrupt::is_stop_requested() {
                 bail!(
-                    "stopped; all rows are complete in {}, repeat the command for the report",
-                    self.job.out.join(row_log::FILE).display()
+                    "stopped; all rows are complete{}, repeat the command for the report",
+                    self.log.place()
                 );
             }
             if let Err(error) = result.and_then(|result| self.record(index, combination, &result)) {

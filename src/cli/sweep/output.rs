@@ -10,20 +10,23 @@ use crate::cli::run::write_file;
 use crate::export::heat_map::{HeatMapFile, is_name_of_map};
 use crate::export::report::{self, Report};
 use crate::export::staging::IsFolder;
-use crate::export::{Staging, heat_map, picture, sweep_csv};
+use crate::export::{Staging, categories_csv, heat_map, picture, sweep_csv};
 use crate::source::Options;
 use crate::sweep::sequence_frames::SequenceFrames;
 use crate::sweep::table::SweepTable;
 
 /// The name of the table.
 const TABLE: &str = "sweep.csv";
+/// The name of the table of categories.
+const CATEGORIES: &str = "categories.csv";
 /// The name of the folder of heat maps.
 const MAPS: &str = "heatmaps";
 
 /// The names of all files and folders.
-pub(super) const TARGETS: [(&str, IsFolder); 4] = [
+pub(super) const TARGETS: [(&str, IsFolder); 5] = [
     ("settings.toml", IsFolder::No),
     (TABLE, IsFolder::No),
+    (CATEGORIES, IsFolder::No),
     (MAPS, IsFolder::Yes),
     ("report.html", IsFolder::No),
 ];
@@ -39,6 +42,10 @@ pub(super) fn write(
 ) -> anyhow::Result<()> {
     write_file(&staging, "settings.toml", |out| out.write_all(job.base.to_toml().as_bytes()))?;
     write_file(&staging, TABLE, |out| sweep_csv::write(out, table))?;
+    let has_categories = categories_csv::has_rows(table);
+    if has_categories {
+        write_file(&staging, CATEGORIES, |out| categories_csv::write(out, table))?;
+    }
     let (maps, left_out) = heat_map::files(table);
     if !maps.is_empty() {
         let folder = staging.folder(MAPS)?;
@@ -66,6 +73,9 @@ pub(super) fn write(
     staging.publish(TABLE)?;
     if is_repeated {
         remove_other_maps(&job.out.join(MAPS), &maps);
+        if !has_categories {
+            remove_categories(&job.out.join(CATEGORIES));
+        }
     }
     Ok(())
 }
@@ -77,6 +87,14 @@ fn remove_other_maps(folder: &Path, maps: &[HeatMapFile]) {
         if is_name_of_map(&name) && !maps.iter().any(|map| map.name == name) {
             let _ = fs::remove_file(&path);
         }
+    }
+}
+
+/// Removes the table of categories of an earlier sweep into the same folder. One that cannot be removed stays.
+fn remove_categories(path: &Path) {
+    let start = format!("{},", categories_csv::CATEGORY);
+    if fs::read(path).is_ok_and(|bytes| bytes.starts_with(start.as_bytes())) {
+        let _ = fs::remove_file(path);
     }
 }
 

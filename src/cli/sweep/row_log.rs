@@ -100,6 +100,11 @@ impl RowLog {
         self.rows.get(&hash(key))
     }
 
+    /// Where rows are, as the end of a message: ` in FILE`; empty without rows.
+    pub(super) fn place(&self) -> String {
+        if self.length == 0 { String::new() } else { format!(" in {}", self.path.display()) }
+    }
+
     /// Adds complete rows and waits until they are on the disk. `rows` have a key, the name of the sequence and of the
     /// combination, seconds and measures.
     pub(super) fn add(
@@ -192,8 +197,13 @@ mod tests {
     #[test]
     fn without_rows_there_is_no_file() {
         let folder = tempfile::tempdir().unwrap();
-        drop(RowLog::open(folder.path()).unwrap());
+        let mut log = RowLog::open(folder.path()).unwrap();
+        assert_eq!(log.place(), "");
+        drop(log);
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+        log = RowLog::open(folder.path()).unwrap();
+        log.add([("one".to_owned(), "a".to_owned(), "k=3".to_owned(), 1.0, Measures::default())]).unwrap();
+        assert_eq!(log.place(), format!(" in {}", folder.path().join(FILE).display()));
     }
 
     #[test]

@@ -153,6 +153,6 @@ pub(super) fn write(out: &mut impl Write, table: &SweepTable) -> io::Result<()> 
     writeln!(
         out,
         "</tbody></table></div>\n<p class=\"note\">The value of a cell is the best over all other settings; brighter is \
-         better. A frame marks the best cell, hatching cells without a value.</p>\n</section>"
+         better, and a small difference takes a part of the colours. A frame marks the best cell, hatching cells without a value.</p>\n</section>"
     )
 }

@@ -135,10 +135,16 @@ fn value_cell(measure: &MeasureColumn, value: Option<f64>) -> String {
 fn measure_header(measure: &MeasureColumn) -> String {
     let better = if measure.more_is_better { "" } else { "; less is better" };
     format!(
-        "<th scope=\"col\" class=\"n\" title=\"{}{better}\">{}</th>",
+        "<th scope=\"col\" class=\"n\"{} title=\"{}{better}\">{}</th>",
+        more_mark(measure),
         html(measure.meaning),
         html(measure.label)
     )
+}
+
+/// The attribute by which the script sorts a column from the greatest value at first.
+const fn more_mark(measure: &MeasureColumn) -> &'static str {
+    if measure.more_is_better { " data-more" } else { "" }
 }
 
 /// The part of a sequence's name before its last `/`, its category; empty if it has none.

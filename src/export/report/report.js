@@ -30,16 +30,78 @@
   const settings = (combination) =>
     indices(combination).map((at, axis) => `${axes[axis].name}=${axes[axis].values[at]}`).join(" ");
 
+  // Makes the headers of a table sort its lines. `key` gives what line `line` is sorted by in column `column`, null without
+  // a value; `show` gets the indices of the lines in their new order.
+  const collator = new Intl.Collator(undefined, { numeric: true });
+  const compare = (a, b) =>
+    typeof a === "number" && typeof b === "number" ? a - b : collator.compare(String(a), String(b));
+  const makeSortable = (table, count, key, show) => {
+    const headers = [...table.tHead.rows[0].cells].filter((header) => !("unsorted" in header.dataset));
+    const order = Array.from({ length: count }, (_, line) => line);
+    const sort = (header) => {
+      const now = header.getAttribute("aria-sort");
+      // The best is on top first.
+      const first = "more" in header.dataset ? "descending" : "ascending";
+      const direction = now === "none" ? first : now === "ascending" ? "descending" : "ascending";
+      for (const other of headers) other.setAttribute("aria-sort", "none");
+      header.setAttribute("aria-sort", direction);
+      const sign = direction === "ascending" ? 1 : -1;
+      const keys = order.map((_, line) => key(line, header.cellIndex));
+      order.sort((a, b) => {
+        // Lines without a value are last in either order.
+        if (keys[a] === null || keys[b] === null) return (keys[a] === null) - (keys[b] === null) || a - b;
+        return sign * compare(keys[a], keys[b]) || a - b;
+      });
+      show(order);
+    };
+    for (const header of headers) {
+      const button = element("button", { type: "button" }, ...header.childNodes);
+      button.addEventListener("click", () => sort(header));
+      header.replaceChildren(button);
+      header.setAttribute("aria-sort", "none");
+    }
+    return order;
+  };
+  const keyOf = (text) => (text !== "" && isFinite(text) ? Number(text) : text);
+
+  // Tables that are sorted by what their cells show. The line of a mean stays last.
+  for (const table of document.querySelectorAll("table.sortable:not(#rows)")) {
+    const all = [...table.tBodies].flatMap((body) => [...body.rows]);
+    const lines = all.filter((line) => !line.matches(".group, .total"));
+    const last = all.filter((line) => line.matches(".total"));
+    const key = (line, column) => {
+      const text = lines[line].cells[column].textContent.trim();
+      return text === "\u2013" ? null : keyOf(text.replace("\u2212", "-"));
+    };
+    makeSortable(table, lines.length, key, (order) => {
+      const body = element("tbody", {}, ...order.map((line) => lines[line]), ...last);
+      for (const other of [...table.tBodies]) other.remove();
+      table.append(body);
+      table.classList.add("flat");
+    });
+  }
+
+  // A line beside the first column while others are under it.
+  for (const place of document.querySelectorAll(".scroll")) {
+    place.addEventListener("scroll", () => place.classList.toggle("scrolled", place.scrollLeft > 0), { passive: true });
+  }
+
   // The table of all rows: headers sort, a choice filters.
   const table = document.getElementById("rows");
   const [body, rest] = table.tBodies;
   const lines = [...body.rows, ...(rest ? rest.rows : [])];
   if (rest) rest.remove();
-  const headers = [...table.tHead.rows[0].cells];
+  const columnCount = table.tHead.rows[0].cells.length;
   // A table of thousands of rows is slow to lay out, so the first ones are shown until all are asked for.
   let limit = 200;
-  const order = rows.map((_, row) => row);
   let chosen = "";
+  const at = rows.map(([, combination]) => indices(combination));
+  const order = makeSortable(table, rows.length, (row, column) => {
+    const [sequence, , values, seconds] = rows[row];
+    if (column === 0) return sequences[sequence];
+    if (column <= axes.length) return keyOf(axes[column - 1].values[at[row][column - 1]]);
+    return column === columnCount - 1 ? seconds : values[column - 1 - axes.length];
+  }, () => show());
   const more = element("button", { type: "button", class: "more" });
   const show = () => {
     const matching = order.filter((row) => chosen === "" || rows[row][0] === Number(chosen));
@@ -54,43 +116,6 @@
     show();
   });
   document.getElementById("all").append(more);
-  const at = rows.map(([, combination]) => indices(combination));
-  // What column `column` of row `row` is sorted by.
-  const key = (row, column) => {
-    const [sequence, , values, seconds] = rows[row];
-    if (column === 0) return sequences[sequence];
-    if (column <= axes.length) {
-      const value = axes[column - 1].values[at[row][column - 1]];
-      return value !== "" && isFinite(value) ? Number(value) : value;
-    }
-    return column === headers.length - 1 ? seconds : values[column - 1 - axes.length];
-  };
-  const collator = new Intl.Collator(undefined, { numeric: true });
-  const compare = (a, b) =>
-    typeof a === "number" && typeof b === "number" ? a - b : collator.compare(String(a), String(b));
-  const sort = (column) => {
-    const measure = measures[column - 1 - axes.length];
-    const now = headers[column].getAttribute("aria-sort");
-    // The best is on top first.
-    const first = measure && measure.more ? "descending" : "ascending";
-    const direction = now === "none" ? first : now === "ascending" ? "descending" : "ascending";
-    headers.forEach((header) => header.setAttribute("aria-sort", "none"));
-    headers[column].setAttribute("aria-sort", direction);
-    const sign = direction === "ascending" ? 1 : -1;
-    const keys = rows.map((_, row) => key(row, column));
-    order.sort((a, b) => {
-      // Rows without a value are last in either order.
-      if (keys[a] === null || keys[b] === null) return (keys[a] === null) - (keys[b] === null) || a - b;
-      return sign * compare(keys[a], keys[b]) || a - b;
-    });
-    show();
-  };
-  headers.forEach((header, column) => {
-    const button = element("button", { type: "button" }, ...header.childNodes);
-    button.addEventListener("click", () => sort(column));
-    header.replaceChildren(button);
-    header.setAttribute("aria-sort", "none");
-  });
   if (sequences.length > 1) {
     const options = [["", "all sequences"], ...sequences.map((name, index) => [index, name])];
     const [label, select] = choice("Sequence", options, () => {

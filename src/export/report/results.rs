@@ -3,11 +3,11 @@
 use std::io::{self, Write};
 
 use super::escape::html;
-use super::{Report, category, counted, measure_header, value_cell};
+use super::{Report, category, counted, measure_header, more_mark, value_cell};
 use crate::export::sweep_csv;
 use crate::sweep::heat_map::mapped_measures;
-use crate::truth::mask_measures::{DataSetMeasures, MaskMeasures};
-use crate::truth::measures::{MeasureColumn, OBJECTIVE};
+use crate::truth::mask_measures::DataSetMeasures;
+use crate::truth::measures::{self, MeasureColumn, Measures, OBJECTIVE};
 
 /// Largest number of combinations that are drawn as marks of their own.
 const MAX_MARKS: usize = 400;
@@ -145,17 +145,18 @@ fn write_sequences(out: &mut impl Write, report: &Report<'_>, measure: &MeasureC
     let (compared, ends) = (compared(report, measure), ends(report, measure));
     writeln!(
         out,
-        "<div class=\"scroll\"><table>\n<caption>{} of each sequence</caption>",
+        "<div class=\"scroll\"><table class=\"sortable\">\n<caption>{} of each sequence</caption>",
         html(measure.label)
     )?;
     write!(out, "<thead><tr><th scope=\"col\">sequence</th>")?;
+    let more = more_mark(measure);
     for (name, _) in &compared {
-        write!(out, "<th scope=\"col\" class=\"n\">{name}</th>")?;
+        write!(out, "<th scope=\"col\" class=\"n\"{more}>{name}</th>")?;
     }
     writeln!(
         out,
-        "<th scope=\"col\" class=\"n\">its best</th><th scope=\"col\">its best settings</th>\
-         <th scope=\"col\" title=\"The dot is the best overall\">all settings, {} to {}</th></tr></thead>\n<tbody>",
+        "<th scope=\"col\" class=\"n\"{more}>its best</th><th scope=\"col\">its best settings</th>\
+         <th scope=\"col\" data-unsorted title=\"The dot is the best overall\">all settings, {} to {}</th></tr></thead>\n<tbody>",
         measure.text(ends.0),
         measure.text(ends.1)
     )?;
@@ -172,8 +173,14 @@ fn write_sequences(out: &mut impl Write, report: &Report<'_>, measure: &MeasureC
             )?;
         }
         last = Some(category);
-        let shown = if category.is_empty() { name } else { &name[category.len() + 1..] };
-        write!(out, "<tr><th scope=\"row\">{}</th>", report.link(at, shown))?;
+        let (above, shown) = name.split_at(if category.is_empty() { 0 } else { category.len() + 1 });
+        let above = if above.is_empty() {
+            String::new()
+        } else {
+            // Shown where sorting removes the categories' own lines.
+            format!("<span class=\"category\">{}</span>", html(above))
+        };
+        write!(out, "<tr><th scope=\"row\">{above}{}</th>", report.link(at, shown))?;
         for (_, combination) in &compared {
             write!(out, "{}", value_cell(measure, table.value(at, *combination, measure)))?;
         }
@@ -238,20 +245,12 @@ fn strip(
     )
 }
 
-/// A measure of CDnet by its label.
-type MaskColumn = (&'static str, fn(&MaskMeasures) -> f64);
-
 /// CDnet's measures of each category under the best combination, where masks are in categories.
 fn write_categories(out: &mut impl Write, report: &Report<'_>, measure: &MeasureColumn) -> io::Result<()> {
-    const COLUMNS: [MaskColumn; 7] = [
-        ("recall", |masks| masks.recall),
-        ("specificity", |masks| masks.specificity),
-        ("FPR", |masks| masks.fpr),
-        ("FNR", |masks| masks.fnr),
-        ("PWC", |masks| masks.pwc),
-        ("precision", |masks| masks.precision),
-        ("F", |masks| masks.f),
-    ];
+    // CDnet's order.
+    const NAMES: [&str; 7] = ["recall", "specificity", "fpr", "fnr", "pwc", "precision", "f"];
+    let columns = NAMES.map(measures::column);
+    let columns: Vec<&MeasureColumn> = columns.into_iter().flatten().collect();
     let table = report.table;
     let Some(&(name, combination)) = compared(report, measure).first() else { return Ok(()) };
     let sequences = table.sequences.iter().enumerate().filter(|(_, name)| !category(name).is_empty());
@@ -260,11 +259,11 @@ fn write_categories(out: &mut impl Write, report: &Report<'_>, measure: &Measure
     let Some(DataSetMeasures { categories, overall }) = DataSetMeasures::new(masks) else { return Ok(()) };
     writeln!(
         out,
-        "<div class=\"scroll\"><table>\n<caption>Masks by category, {name}: means of sequences, and their mean, as CDnet \
+        "<div class=\"scroll\"><table class=\"sortable\">\n<caption>Masks by category, {name}: means of sequences, and their mean, as CDnet \
          ranks</caption>\n<thead><tr><th scope=\"col\">category</th>"
     )?;
-    for (label, _) in COLUMNS {
-        write!(out, "<th scope=\"col\" class=\"n\">{label}</th>")?;
+    for column in &columns {
+        write!(out, "{}", measure_header(column))?;
     }
     writeln!(out, "</tr></thead>\n<tbody>")?;
     let overall = ("mean of categories".to_owned(), overall);
@@ -272,8 +271,9 @@ fn write_categories(out: &mut impl Write, report: &Report<'_>, measure: &Measure
     for (at, (category, masks)) in categories.into_iter().chain([overall]).enumerate() {
         let class = if at == count { " class=\"total\"" } else { "" };
         write!(out, "<tr{class}><th scope=\"row\">{}</th>", html(&category))?;
-        for (_, of) in COLUMNS {
-            write!(out, "<td class=\"n\">{:.4}</td>", of(&masks))?;
+        let measures = Measures { masks: Some(masks), ..Measures::default() };
+        for value in columns.iter().filter_map(|column| (column.of)(&measures)) {
+            write!(out, "<td class=\"n\">{value:.4}</td>")?;
         }
         writeln!(out, "</tr>")?;
     }

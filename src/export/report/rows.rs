@@ -29,7 +29,7 @@ pub(super) fn write(out: &mut impl Write, report: &Report<'_>) -> io::Result<()>
     writeln!(
         out,
         "<section id=\"all\">\n<h2>All rows</h2>\n<div class=\"controls\"></div>\n\
-         <div class=\"scroll tall\" tabindex=\"0\" role=\"region\" aria-label=\"All rows\"><table id=\"rows\">\n\
+         <div class=\"scroll tall\" tabindex=\"0\" role=\"region\" aria-label=\"All rows\"><table id=\"rows\" class=\"sortable\">\n\
          <caption>{}</caption>\n<thead><tr><th scope=\"col\">sequence</th>",
         counted(table.rows.len(), "row")
     )?;

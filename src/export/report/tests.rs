@@ -209,6 +209,39 @@ fn a_data_set_has_means_of_its_categories() {
 }
 
 #[test]
+fn tables_of_sequences_and_categories_sort_as_that_of_rows() {
+    let data = Data { axes: &["k=3,4"], sequences: 7, categories: 3, ..Data::default() };
+    let text = report("sorted.html", &data, &table(&data), &[], &[]);
+    let tables: Vec<&str> = text.split("<table").skip(1).filter(|part| part.contains("</table>")).collect();
+    let sortable = tables
+        .iter()
+        .filter(|table| table.split('>').next().is_some_and(|start| start.contains("class=\"sortable\"")));
+    let sortable: Vec<_> = sortable.collect();
+    let captions = sortable
+        .iter()
+        .map(|table| table.split("<caption>").nth(1).unwrap().split(['<', ',']).next().unwrap());
+    assert_eq!(captions.collect::<Vec<_>>(), ["score of each sequence", "Masks by category", "14 rows"]);
+    // The greatest is first where more is better; a drawing sorts nothing.
+    let header = |table: &str, label: &str| {
+        table.split("<th ").find(|cell| cell.contains(&format!(">{label}</th>"))).unwrap().to_owned()
+    };
+    assert!(header(sortable[0], "its best").contains(" data-more"));
+    assert!(
+        sortable[0].split("<th ").any(|cell| cell.contains("data-unsorted") && cell.contains("all settings"))
+    );
+    for (label, more) in
+        [("recall", true), ("FPR", false), ("FNR", false), ("PWC", false), ("specificity", true)]
+    {
+        for table in &sortable[1..] {
+            assert_eq!(header(table, label).contains(" data-more"), more, "{label}");
+        }
+    }
+    // Without the lines of categories a sequence has its whole name.
+    assert_eq!(sortable[0].matches("<span class=\"category\">").count(), 7);
+    assert!(sortable[0].contains("<span class=\"category\">baseline/</span>canoe01"));
+}
+
+#[test]
 fn a_large_data_set_stays_small() {
     let data = Data { axes: AXES, sequences: 50, categories: 4, ..Data::default() };
     let sweep = table(&data);
