@@ -80,26 +80,19 @@ impl KalmanModel {
         self.covariance = transition * self.covariance * transition.transpose() + noise;
     }
 
-    /// The squared Mahalanobis length of the difference between a measurement and the prediction.
-    pub fn distance_squared(&self, measured: &Measurement) -> f32 {
-        let innovation = measured - self.measurement();
-        self.innovation_covariance()
-            .try_inverse()
-            .map_or(f32::INFINITY, |inverse| (innovation.transpose() * inverse * innovation).x)
-    }
-
-    /// The difference of a measurement from the prediction, if the object may have deviated from constant velocity by
-    /// `manoeuvre` pixels (standard deviation of position and of size); 0 is constant velocity.
-    pub fn innovation(&self, measured: &Measurement, manoeuvre: f32) -> Innovation {
-        let difference = measured - self.measurement();
+    /// What it expects to measure, if the object may have deviated from constant velocity by `manoeuvre` pixels (standard
+    /// deviation of position and of size); 0 is constant velocity.
+    pub fn expected_measurement(&self, manoeuvre: f32) -> ExpectedMeasurement {
         let spread = self.innovation_covariance() + Matrix3::from_diagonal_element(manoeuvre.powi(2));
         let nominal =
             noise_scale(self.state.z).powi(2) * (self.noise.process.powi(2) + self.noise.measurement.powi(2));
-        let distance_squared = spread
-            .try_inverse()
-            .map_or(f32::INFINITY, |inverse| (difference.transpose() * inverse * difference).x);
         let log_spread = (spread.determinant().max(f32::MIN_POSITIVE) / nominal.powi(3)).ln();
-        Innovation { distance_squared, log_spread }
+        ExpectedMeasurement {
+            mean: self.measurement(),
+            variances: spread.diagonal(),
+            inverse: spread.try_inverse(),
+            log_spread,
+        }
     }
 
     /// Updates it with a measurement after a manoeuvre of `manoeuvre` pixels (standard deviation).
@@ -187,6 +180,39 @@ impl KalmanModel {
     }
 }
 
+/// What a model expects to measure in a frame, prepared to be compared with many measurements.
+#[derive(Clone, Copy, Debug)]
+pub struct ExpectedMeasurement {
+    mean: Measurement,
+    /// Of each component of a measurement.
+    variances: Vector3<f32>,
+    /// Of the covariance of a measurement.
+    inverse: Option<Matrix3<f32>>,
+    log_spread: f32,
+}
+
+impl ExpectedMeasurement {
+    /// Whether a measurement may be within the gate, from its components alone: none of them is farther away than the whole
+    /// squared Mahalanobis length, `gate`. Most measurements are not, and are told from the others at once.
+    pub fn may_reach(&self, measured: &Measurement, gate: f32) -> bool {
+        // More than a rounded length differs from an exact one.
+        let margin = 1.01 * gate;
+        let difference = measured - self.mean;
+        !difference.iter().zip(&self.variances).any(|(offset, variance)| offset * offset > margin * variance)
+    }
+
+    /// The squared Mahalanobis length of the difference of a measurement; infinite where the covariance has no inverse.
+    pub fn distance_squared(&self, measured: &Measurement) -> f32 {
+        let difference = measured - self.mean;
+        self.inverse.map_or(f32::INFINITY, |inverse| (difference.transpose() * inverse * difference).x)
+    }
+
+    /// The difference of a measurement.
+    pub fn innovation(&self, measured: &Measurement) -> Innovation {
+        Innovation { distance_squared: self.distance_squared(measured), log_spread: self.log_spread }
+    }
+}
+
 /// From this √area on, in pixels, the noise grows with the object's size. Tried from 40 to 100 on people from 30 to 300
 /// pixels tall.
 const LARGE_OBJECT_PX: f32 = 80.0;
@@ -271,10 +297,11 @@ mod tests {
         let mut vague = sure.clone();
         (0..5).for_each(|_| vague.predict(1.0));
         let near = Vector3::new(101.0, 50.0, 20.0);
-        let likelihood = |model: &KalmanModel| model.innovation(&near, 0.0).log_likelihood();
+        let likelihood =
+            |model: &KalmanModel| model.expected_measurement(0.0).innovation(&near).log_likelihood();
         assert!(likelihood(&sure) > likelihood(&vague) + 1.0);
         let far = Vector3::new(112.0, 50.0, 20.0);
-        let of = |manoeuvre: f32| sure.innovation(&far, manoeuvre).log_likelihood();
+        let of = |manoeuvre: f32| sure.expected_measurement(manoeuvre).innovation(&far).log_likelihood();
         assert!(of(8.0) > of(0.0), "a jump is likelier where manoeuvres are expected");
     }
 

@@ -233,11 +233,15 @@ impl HypothesisMatcher {
     /// and `observations`, the likeliest first, each in one pair at most.
     pub fn match_manoeuvres(&self, blobs: &[&Blob], observations: &[&Observation]) -> Vec<(usize, usize)> {
         let mut pairs = Vec::new();
+        let measurements: Vec<_> = observations.iter().map(|it| it.measurement()).collect();
         for (row, blob) in blobs.iter().enumerate() {
             let model = &blob.shown().model;
-            for (column, observation) in observations.iter().enumerate() {
-                let innovation =
-                    model.innovation(&observation.measurement(), MANOEUVRE_SIGMA * model.scale());
+            let expected = model.expected_measurement(MANOEUVRE_SIGMA * model.scale());
+            for (column, measured) in measurements.iter().enumerate() {
+                if !expected.may_reach(measured, self.gate) {
+                    continue;
+                }
+                let innovation = expected.innovation(measured);
                 if innovation.distance_squared <= self.gate {
                     pairs.push((innovation.log_likelihood(), row, column));
                 }
@@ -272,8 +276,10 @@ impl HypothesisMatcher {
     ) -> Vec<Hypothesis> {
         let mut children: Vec<Hypothesis> = Vec::new();
         for parent in parents {
-            let matches = measurements.iter().enumerate().filter_map(|(index, measured)| {
-                let innovation = parent.model.innovation(measured, 0.0);
+            let expected = parent.model.expected_measurement(0.0);
+            let near = measurements.iter().enumerate().filter(|(_, it)| expected.may_reach(it, self.gate));
+            let matches = near.filter_map(|(index, measured)| {
+                let innovation = expected.innovation(measured);
                 (innovation.distance_squared <= self.gate).then(|| {
                     let mut child = parent.clone();
                     child.model.update(measured, 1.0);

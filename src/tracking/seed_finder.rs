@@ -1,5 +1,7 @@
 //! New models from pairs of unexplained detections of the previous two frames, tested on the current one (§VIII).
 
+use std::collections::BTreeSet;
+
 use super::kalman::KalmanModel;
 use super::pool::{HypothesisMatcher, Observation};
 
@@ -48,6 +50,7 @@ impl SeedFinder {
         periods: f32,
         unexplained: Vec<UnexplainedDetection>,
     ) -> Vec<Seed> {
+        let measurements: Vec<_> = unexplained.iter().map(|it| it.observation.measurement()).collect();
         let mut found = Vec::new();
         for first in &self.before_last {
             for second in &self.last {
@@ -57,12 +60,15 @@ impl SeedFinder {
                 let [one, two] = [first, second].map(|it| it.observation.measurement());
                 let mut model = KalmanModel::through(one, two, self.periods, settings.noise);
                 model.predict(periods);
-                for third in &unexplained {
-                    let measured = third.observation.measurement();
-                    let distance = model.distance_squared(&measured);
+                let expected = model.expected_measurement(0.0);
+                for (third, measured) in unexplained.iter().zip(&measurements) {
+                    if !expected.may_reach(measured, settings.gate) {
+                        continue;
+                    }
+                    let distance = expected.distance_squared(measured);
                     if distance <= settings.gate {
                         let mut model = model.clone();
-                        model.update(&measured, 1.0);
+                        model.update(measured, 1.0);
                         let earlier = [first.clone(), second.clone()];
                         found.push((distance, Seed { model, index: third.index, earlier }));
                     }
@@ -70,12 +76,8 @@ impl SeedFinder {
             }
         }
         found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.index.cmp(&b.1.index)));
-        let mut taken = Vec::new();
-        found.retain(|(_, seed)| {
-            let free = !taken.contains(&seed.index);
-            taken.push(seed.index);
-            free
-        });
+        let mut taken = BTreeSet::new();
+        found.retain(|(_, seed)| taken.insert(seed.index));
         self.periods = periods;
         self.before_last = std::mem::replace(&mut self.last, unexplained);
         found.into_iter().map(|(_, seed)| seed).collect()

@@ -179,8 +179,8 @@ fn update_with_detection(context: &Context, table: &mut ObjectTable, blob: usize
     if joined.is_just(tracked.matched) {
         return;
     }
-    let fits =
-        tracked.blob.shown().model.distance_squared(&measured.measurement()) <= 4.0 * context.matcher.gate;
+    let fits = tracked.blob.shown().model.expected_measurement(0.0).distance_squared(&measured.measurement())
+        <= 4.0 * context.matcher.gate;
     tracked.blob.keep_shown(&measured, |model| {
         if fits && whole && !cut_off {
             model.update(&measured.measurement(), 2.0);
