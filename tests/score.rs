@@ -267,9 +267,16 @@ fn other_frame_numbers_are_told_with_the_offset_that_mends_them() {
         let (score, told) = scored.score(&["--offset", offset]);
         assert!(mota(&score) == 1.0 && !told.contains("warning"), "{score} {told}");
     }
-    // Slow objects off by one match nearly as well: the frame 0 gives it away.
+    // Slow objects off by one match nearly as well: the frame 0 gives it away, or the last frame.
     let scored = Scored::new(&walker(0..=29, 1, 0), &walker(0..=29, 1, 1));
     assert!(scored.score(&[]).1.contains("--offset 1"));
+    let summary = r#"{"input":{"frames":30,"first_frame":1,"last_frame":30}}"#;
+    for (truth, mend) in [(walker(1..=30, 1, 3), "--offset -3"), (walker(1..=30, 1, 1), "--offset -1")] {
+        let scored = Scored::new(&truth, &walker(1..=30, 1, 0));
+        fs::write(scored.place.path("results/summary.json"), summary).unwrap();
+        assert!(scored.score(&[]).1.contains(mend), "{mend}");
+        assert!(!scored.score(&["--offset", mend.trim_start_matches("--offset ")]).1.contains("warning"));
+    }
 }
 
 #[test]
@@ -289,6 +296,15 @@ fn masks_with_other_numbers_are_told_with_an_offset() {
     let (score, told) = scores(text(&found), text(&truth), &["--offset", "2"]);
     assert_eq!((&score["masks"]["f_measure"], &score["masks"]["frames"]), (&1.0.into(), &9.into()));
     assert!(!told.contains("warning"), "{told}");
+    // Large objects off by one match nearly as well.
+    for number in 1..=9 {
+        let large = |x: u32, _| Luma([if (number..number + 24).contains(&x) { 255 } else { 0 }]);
+        GrayImage::from_fn(40, 10, large).save(truth.join(format!("{number:04}.png"))).unwrap();
+        GrayImage::from_fn(40, 10, large).save(found.join(format!("fg_{}.png", number + 2))).unwrap();
+    }
+    let (score, told) = scores(text(&found), text(&truth), &["--offset", "1"]);
+    assert!(score["masks"]["f_measure"].as_f64().unwrap() > 0.95 && told.contains("--offset 2"), "{told}");
+    assert!(!scores(text(&found), text(&truth), &["--offset", "2"]).1.contains("warning"));
     let line = fails(&["score", text(&found), "--truth", text(&truth), "--offset", "-100"], 1);
     assert!(line.contains("no mask"), "{line}");
     let line = fails(&["score", text(&found), "--truth", text(&truth), "--offset", "100"], 1);

@@ -26,9 +26,6 @@ use crate::truth::sequence_truth::{Occlusions, Scores, SequenceTruth};
 use crate::truth::survival::Survival;
 use crate::truth::{TruthError, alignment};
 
-/// F measure of masks below which other offsets are tried.
-const POOR_F: f64 = 0.5;
-
 /// Defines the subcommand.
 pub fn command() -> Command {
     let command = Command::new("score")
@@ -209,9 +206,7 @@ impl Scored {
         if let Some(remark) = masks.remark() {
             self.notes.push(format!("warning: {}: {remark}", truth.display()));
         }
-        if score.f_measure < POOR_F
-            && let Some(more) = alignment::better_offset_of_masks(masks, &mask_score::results_in(folder)?)?
-        {
+        if let Some(more) = alignment::better_offset_of_masks(masks, &mask_score::results_in(folder)?)? {
             self.notes.push(format!(
                 "warning: {}: its masks match better with --offset {}; check where its frame numbers start",
                 truth.display(),

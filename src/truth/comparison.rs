@@ -59,7 +59,7 @@ impl<'a> Comparison<'a> {
     /// The offset at which the boxes match better, if there is one.
     pub fn better_offset(&self) -> Option<i64> {
         let truth = shifted(&self.truth.boxes, self.offset);
-        let more = alignment::better_offset(&truth, &self.results.boxes, self.analysed.span().0);
+        let more = alignment::better_offset(&truth, &self.results.boxes, self.analysed.span());
         more.map(|more| self.offset + more)
     }
 
