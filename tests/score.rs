@@ -253,6 +253,36 @@ fn only_analysed_frames_are_judged() {
 }
 
 #[test]
+fn a_file_of_tracks_is_judged_in_the_frames_of_its_run_or_sequence() {
+    let scored = Scored::new(&walker(1..=60, 4, 0), &walker(11..=40, 4, 0));
+    let tracks = scored.place.path("results/tracks.csv");
+    let summary = r#"{"input":{"frames":50,"first_frame":1,"last_frame":50}}"#;
+    fs::write(scored.place.path("results/summary.json"), summary).unwrap();
+    let (of_file, told) = scores(text(&tracks), &scored.truth, &[]);
+    assert_eq!((&of_file, mota(&of_file)), (&scored.score(&[]).0, 0.6), "as its folder");
+    assert!(
+        told.contains("50 frames are judged, 1 to 50, those in summary.json beside the tracks"),
+        "{told}"
+    );
+    // Of another tracker the length of the sequence is what is known.
+    let other = scored.place.path("results/other.txt");
+    fs::rename(&tracks, &other).unwrap();
+    let (score, told) = scores(text(&other), &scored.truth, &[]);
+    assert!(mota(&score) == 1.0 && told.contains("the first to the last with a result"), "{told}");
+    let sequence = scored.place.path("MOT-01");
+    fs::create_dir_all(sequence.join("gt")).unwrap();
+    fs::rename(&scored.truth, sequence.join("gt/gt.txt")).unwrap();
+    fs::write(sequence.join("seqinfo.ini"), "[Sequence]\nseqLength=60\n").unwrap();
+    for truth in [sequence.clone(), sequence.join("gt"), sequence.join("gt/gt.txt")] {
+        let (score, told) = scores(text(&other), text(&truth), &[]);
+        assert!(
+            mota(&score) == 0.5 && told.contains("60 frames are judged, 1 to 60, the sequence's"),
+            "{told}"
+        );
+    }
+}
+
+#[test]
 fn other_frame_numbers_are_told_with_the_offset_that_mends_them() {
     for (addition, mend) in [(-1, "--offset 1"), (3, "--offset -3"), (-30, "--offset 30")] {
         let truth = walker(31..=60, 9, addition);

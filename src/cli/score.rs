@@ -152,7 +152,7 @@ impl Scored {
         }
         if let Some(tracks) = &truth.tracks {
             let found = results.tracks()?;
-            let analysed = results.analysed(&found.boxes);
+            let analysed = results.analysed(&found.boxes, &truth);
             let comparison = Comparison::new(tracks, &found, &analysed, offset);
             if truth.occlusions.is_none() {
                 comparison.check_frames(&truth.path)?;

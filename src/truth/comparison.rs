@@ -10,6 +10,7 @@ use super::boxes::{Boxes, shifted, shifted_number, span};
 use super::event_scoring::ScoredEvent;
 use super::formats::TrackFile;
 use super::ignored::without_ignored;
+use super::run_summary;
 use super::summary::{self, TrackScore};
 
 /// True and found boxes that are judged.
@@ -89,10 +90,18 @@ impl<'a> Comparison<'a> {
         let remarks = self.results.remarks.iter().map(|remark| format!("of the results, {remark}"));
         let (first, last) = self.analysed.span();
         let count = self.analysed.count();
+        let judged = format!(
+            "{} judged, {first} to {last}",
+            if count == 1 { "1 frame is".to_owned() } else { format!("{count} frames are") }
+        );
         let judged = match self.analysed.origin() {
-            Origin::Record => format!("{count} frames are judged, {first} to {last}"),
+            Origin::Record => judged,
+            Origin::RecordBeside => {
+                format!("{judged}, those in {} beside the tracks", run_summary::FILE)
+            }
+            Origin::Length => format!("{judged}, the sequence's seqLength in seqinfo.ini"),
             Origin::Results => {
-                format!("{count} frames are judged, {first} to {last}, the first to the last with a result")
+                format!("{judged}, the first to the last with a result")
             }
             Origin::Unknown => "all frames are judged, as there are no results".to_owned(),
         };

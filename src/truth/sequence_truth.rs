@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use super::analysed_frames::{AnalysedFrames, Origin};
+use super::boxes::shifted_number;
 use super::comparison::Comparison;
 use super::event_scoring::{self, EventScore, ScoredEvent};
 use super::formats::TrackFile;
@@ -14,6 +16,7 @@ use super::measures::Measures;
 use super::summary::TrackScore;
 use super::{TruthError, TruthSource, ignored};
 use crate::placement::Crop;
+use crate::source::sequence_length;
 
 /// Largest deviation in frames of events and of the ends of episodes.
 pub const EVENT_TOLERANCE: u32 = 8;
@@ -49,6 +52,8 @@ pub struct SequenceTruth {
     pub occlusions: Option<Occlusions>,
     /// What is added to its frame numbers.
     pub offset: i64,
+    /// The number of frames of the sequence, where it is stated.
+    pub length: Option<u32>,
 }
 
 impl SequenceTruth {
@@ -62,13 +67,22 @@ impl SequenceTruth {
             }
             _ => None,
         };
+        let tracks = source.tracks()?;
         Ok(Self {
             path: path.to_owned(),
-            tracks: source.tracks()?,
+            tracks,
             masks: source.masks()?.map(|masks| masks.shifted(offset)),
             occlusions,
             offset,
+            length: length_of(path),
         })
+    }
+
+    /// All frames of the sequence in the numbers of the results, where their number is stated.
+    pub fn frames(&self) -> Option<AnalysedFrames> {
+        let number = |number| shifted_number(number, self.offset);
+        let frames = AnalysedFrames::at_steps(number(1)?, number(self.length?)?, 1)?;
+        Some(frames.known_by(Origin::Length))
     }
 
     /// The ground truth of a part of the images, as [`ignored::crop`] cuts boxes; pixels outside do not count. Events and
@@ -84,6 +98,14 @@ impl SequenceTruth {
         self.occlusions = None;
         self
     }
+}
+
+/// The number of frames that MOTChallenge's `seqinfo.ini` states of the sequence with the ground truth at `path`: its folder,
+/// the folder `gt` in it, or a file in either.
+fn length_of(path: &Path) -> Option<u32> {
+    let path = path.canonicalize().ok()?;
+    let folder = if path.is_file() { path.parent()? } else { &path };
+    sequence_length(if folder.ends_with("gt") { folder.parent()? } else { folder })
 }
 
 /// All scores that the ground truth permits.
