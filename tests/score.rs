@@ -283,6 +283,27 @@ fn a_file_of_tracks_is_judged_in_the_frames_of_its_run_or_sequence() {
 }
 
 #[test]
+fn ground_truth_without_a_judged_box_is_an_error() {
+    let ignored = walker(1..=20, 4, 0).replace(",40,1\n", ",40,0\n");
+    for truth in ["", "\n", &*ignored] {
+        let scored = Scored::new(truth, &walker(1..=20, 4, 0));
+        let line = fails(&["score", &scored.results, "--truth", &scored.truth], 1);
+        assert!(line.contains("gt.txt") && line.contains("no box of it is judged"), "{line}");
+        assert_eq!(line.contains("20 boxes of confidence 0"), truth == ignored, "{line}");
+    }
+    // Boxes in other frames than those that were analysed, which are within their range.
+    let truth = walker(1..=3, 4, 0) + &walker(30..=33, 4, 0);
+    let scored = Scored::new(&truth, &walker(10..=20, 4, 0));
+    let line = fails(&["score", &scored.results, "--truth", &scored.truth], 1);
+    assert!(line.contains("not among those that were analysed, 10 to 20"), "{line}");
+    let summary = r#"{"input":{"frames":3,"first_frame":2,"last_frame":10,"analysed":[[2,10,4]]}}"#;
+    fs::write(scored.place.path("results/summary.json"), summary).unwrap();
+    fs::write(&scored.truth, walker(3..=4, 4, 0)).unwrap();
+    let line = fails(&["score", &scored.results, "--truth", &scored.truth], 1);
+    assert!(line.contains("no box in the analysed frames"), "{line}");
+}
+
+#[test]
 fn other_frame_numbers_are_told_with_the_offset_that_mends_them() {
     for (addition, mend) in [(-1, "--offset 1"), (3, "--offset -3"), (-30, "--offset 30")] {
         let truth = walker(31..=60, 9, addition);

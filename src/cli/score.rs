@@ -154,7 +154,7 @@ impl Scored {
             let found = results.tracks()?;
             let analysed = results.analysed(&found.boxes, &truth);
             let comparison = Comparison::new(tracks, &found, &analysed, offset);
-            if truth.occlusions.is_none() {
+            if truth.occlusions.is_none() && scored.scores.masks.is_none() {
                 comparison.check_frames(&truth.path)?;
             }
             let reported = truth.occlusions.as_ref().and(results.folder());

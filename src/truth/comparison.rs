@@ -64,12 +64,27 @@ impl<'a> Comparison<'a> {
         more.map(|more| self.offset + more)
     }
 
-    /// Fails if no frame of the ground truth, which is in `path`, was analysed.
+    /// Whether a true box is in the analysed frames: without, no measure of tracks is defined.
+    pub fn has_true_box(&self) -> bool {
+        self.boxes.iter().any(|(number, boxes)| !boxes.is_empty() && self.analysed.contains(*number))
+    }
+
+    /// Fails if no box of the ground truth, which is in `path`, is in an analysed frame.
     pub fn check_frames(&self, path: &Path) -> Result<(), TruthError> {
-        let Some((true_first, true_last)) = span(&self.truth.boxes).filter(|_| self.boxes.is_empty()) else {
+        if self.has_true_box() {
             return Ok(());
+        }
+        let Some((true_first, true_last)) = span(&self.truth.boxes).filter(|_| self.truth.count() > 0) else {
+            return Err(self.truth.without_box(path));
         };
         let (first, last) = self.analysed.span();
+        if !self.boxes.is_empty() {
+            let why = format!(
+                "it has no box in the analysed frames, {first} to {last}, so that no measure of tracks is defined; \
+                 analyse frames with a true box"
+            );
+            return Err(TruthError::new(path, why));
+        }
         let (offset, reason) = match self.better_offset() {
             Some(offset) => (offset, "where the boxes match"),
             None => (i64::from(first) - i64::from(true_first), "which makes the first numbers equal"),
@@ -109,7 +124,9 @@ impl<'a> Comparison<'a> {
         let left_out = numbers.filter(|number| !self.analysed.contains(*number)).count();
         let left_out = (left_out > 0)
             .then(|| format!("{left_out} frames of the ground truth that were not analysed are left out"));
+        let undefined = (!self.has_true_box())
+            .then(|| "no box is in them, so that no measure of tracks is defined".to_owned());
         let clauses = iter::once(read).chain(truth.remarks.iter().cloned()).chain(remarks);
-        clauses.chain([judged]).chain(left_out).collect::<Vec<_>>().join("; ")
+        clauses.chain([judged]).chain(undefined).chain(left_out).collect::<Vec<_>>().join("; ")
     }
 }

@@ -68,6 +68,11 @@ impl SequenceTruth {
             _ => None,
         };
         let tracks = source.tracks()?;
+        if let (TruthSource::Boxes(_), Some(tracks)) = (&source, &tracks)
+            && tracks.count() == 0
+        {
+            return Err(tracks.without_box(path));
+        }
         Ok(Self {
             path: path.to_owned(),
             tracks,
@@ -126,7 +131,7 @@ pub struct Scores {
 }
 
 impl Scores {
-    /// Scores the tracks, and, where both have them, the events and episodes.
+    /// Scores the tracks, where a true box is judged, and, where both have them, the events and episodes.
     pub fn add_tracks(
         &mut self,
         comparison: &Comparison<'_>,
@@ -142,7 +147,7 @@ impl Scores {
             self.events = Some(compare(&truth.events, &reported.events));
             self.episodes = Some(compare(&truth.episodes, &reported.episodes));
         }
-        self.tracks = Some(comparison.score());
+        self.tracks = comparison.has_true_box().then(|| comparison.score());
     }
 
     /// The main results under short names.

@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::fmt::Display;
 use std::fs;
+use std::iter;
 use std::path::Path;
 
 use roxmltree::{Document, Node, ParsingOptions};
@@ -60,6 +61,14 @@ impl TrackFile {
 
     fn ignore(&mut self, frame: u32, bounds: Bounds) {
         self.ignored.entry(frame).or_default().push(bounds);
+    }
+
+    /// The error that it, read from `path`, has no box that is judged.
+    pub(super) fn without_box(&self, path: &Path) -> TruthError {
+        let why =
+            "no box of it is judged, so that no measure of tracks is defined; give ground truth with boxes";
+        let clauses = iter::once(why).chain(self.remarks.iter().map(String::as_str));
+        TruthError::new(path, clauses.collect::<Vec<_>>().join("; "))
     }
 
     /// Number of judged boxes.
