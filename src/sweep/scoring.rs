@@ -34,6 +34,7 @@ pub fn measures(
         if outcome.judged_masks == 0 {
             return Err(masks.without_common_frame(&truth.path, analysed.span()));
         }
+        masks.check_decisions(outcome.decisions, &truth.path)?;
         scores.masks = Some(MaskScore::new(outcome.judged_masks, outcome.decisions));
     }
     if let (Some(tracks), Some(result)) = (&truth.tracks, &outcome.result) {

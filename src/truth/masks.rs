@@ -384,6 +384,20 @@ impl MaskFiles {
         TruthError::new(path, why)
     }
 
+    /// Fails if there is no decision, as no pixel of the frames that the results in `path` and the ground truth have counts.
+    pub fn check_decisions(&self, decisions: Decisions, path: &Path) -> Result<(), TruthError> {
+        if decisions.all() > 0 {
+            return Ok(());
+        }
+        let region = self.roi.as_ref().map(|_| ", outside ROI.bmp").unwrap_or_default();
+        let part = self.part.map(|part| format!(", outside the crop {part}")).unwrap_or_default();
+        let why = format!(
+            "no pixel of its frames with a true mask counts, so that no measure is defined: all are unknown ({UNKNOWN}), \
+             outside ({OUTSIDE}){region}{part} in the ground truth; give frames with judged pixels"
+        );
+        Err(TruthError::new(path, why))
+    }
+
     /// The frame numbers in ascending order.
     pub fn numbers(&self) -> impl Iterator<Item = u32> {
         self.paths.keys().copied()
