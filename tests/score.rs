@@ -442,6 +442,12 @@ fn tracks_in_xml_json_and_label_images_are_ground_truth() {
     let zip = place.path("mot.zip");
     fs::write(&zip, b"PK\x03\x04rest").unwrap();
     assert!(fails(&["score", text(&found), "--truth", text(&zip)], 1).contains("unpack"));
+    // The archives of `export`, which are those of CVAT, but stored.
+    let archived = [("gt/gt.txt", walker(1..=8, 4, 0)), ("gt/labels.txt", "car\n".to_owned())];
+    let archived: Vec<_> = archived.iter().map(|(name, content)| (*name, content.as_bytes())).collect();
+    occluscope::export::zip::write(&mut fs::File::create(&zip).unwrap(), &archived).unwrap();
+    let (score, told) = scores(text(&found), text(&zip), &[]);
+    assert!(mota(&score) == 1.0 && told.contains("MOTChallenge text, 8 boxes in 8 frames"), "{told}");
 }
 
 /// A run into the folder of an earlier one that wrote masks: they are not of its settings.

@@ -1,11 +1,14 @@
-//! Readers of files of tracks: MOTChallenge's text, CVAT's and CAVIAR's XML, COCO's JSON, and label images.
+//! Readers of files of tracks: MOTChallenge's text, CVAT's and CAVIAR's XML, COCO's JSON, the archives that CVAT exports, and
+//! label images.
 
+mod archive;
 mod caviar;
 mod coco;
 mod cvat;
 pub mod label_images;
 mod mot_text;
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::fmt::Display;
@@ -15,6 +18,7 @@ use std::path::Path;
 
 use roxmltree::{Document, Node, ParsingOptions};
 
+use self::archive::ArchivedTracks;
 use super::TruthError;
 use super::boxes::{Bounds, Boxes};
 use super::ignored::Ignored;
@@ -83,20 +87,25 @@ pub fn read(path: &Path, role: Role) -> Result<TrackFile, TruthError> {
         return label_images::read(path);
     }
     let bytes = fs::read(path).map_err(|error| TruthError::unreadable(path, error))?;
-    let text = text_of(&bytes).map_err(|why| TruthError::new(path, why))?;
-    match text.trim_start().chars().next() {
-        Some('<') => read_xml(&text),
-        Some('{' | '[') => coco::read(&text),
-        _ => mot_text::read(&text, role, path.with_file_name("labels.txt").is_file()),
-    }
-    .map_err(|why| TruthError::new(path, why))
+    let content = || {
+        let (bytes, has_labels) = if archive::is_archive(&bytes) {
+            let ArchivedTracks { bytes, has_labels } = archive::tracks(&bytes)?;
+            (Cow::Owned(bytes), has_labels)
+        } else {
+            (Cow::Borrowed(&bytes[..]), path.with_file_name("labels.txt").is_file())
+        };
+        let text = text_of(&bytes)?;
+        match text.trim_start().chars().next() {
+            Some('<') => read_xml(&text),
+            Some('{' | '[') => coco::read(&text),
+            _ => mot_text::read(&text, role, has_labels),
+        }
+    };
+    content().map_err(|why| TruthError::new(path, why))
 }
 
 /// The text of a file in UTF-8 or a code page that has ASCII.
 fn text_of(bytes: &[u8]) -> Result<String, &'static str> {
-    if bytes.starts_with(b"PK\x03\x04") {
-        return Err("it is a zip archive; unpack it and give gt/gt.txt or the XML file in it");
-    }
     if bytes.starts_with(&[0xFF, 0xFE])
         || bytes.starts_with(&[0xFE, 0xFF])
         || matches!(bytes, [0, other, ..] | [other, 0, ..] if *other != 0)
