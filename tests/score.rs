@@ -136,6 +136,8 @@ fn unusable_inputs_of_score_fail_in_one_line() {
     fs::create_dir(&results).unwrap();
     let truth = place.path("gt.txt");
     fs::write(&truth, "1,1,0,0,5,five,1\n").unwrap();
+    let tracks = results.join("tracks.csv");
+    fs::write(&tracks, "").unwrap();
     let score = |truth: &str| fails(&["score", text(&results), "--truth", truth], 1);
     let line = score(text(&truth));
     assert!(line.contains("gt.txt") && line.contains("line 1") && line.contains("five"), "{line}");
@@ -151,9 +153,23 @@ fn unusable_inputs_of_score_fail_in_one_line() {
         assert!(line.contains("line 2"), "{row}: {line}");
     }
     fs::write(&truth, "1,1,0,0,5,5,1\n").unwrap();
-    assert!(score(text(&truth)).contains("tracks.csv"));
+    fs::remove_file(&tracks).unwrap();
+    let line = score(text(&truth));
+    assert!(line.contains("results cannot be used") && line.contains("its tracks.csv"), "{line}");
+    fs::write(&tracks, "").unwrap();
     assert!(score("nowhere").contains("nowhere"));
-    assert!(score(text(&results)).contains("unknown ground truth"));
+    let other = place.path("other");
+    fs::create_dir(&other).unwrap();
+    assert!(score(text(&other)).contains("unknown ground truth"));
+    GrayImage::new(4, 4).save(other.join("fg1.jpg")).unwrap();
+    assert!(score(text(&other)).contains("JPEGs"));
+    assert!(fails(&["score", text(&other), "--truth", text(&truth)], 1).contains("JPEGs"));
+    for (name, word) in [("seqinfo.ini", "folder of the sequence"), ("tracks.json", "tracks.csv")] {
+        fs::write(other.join(name), "[Sequence]\n").unwrap();
+        assert!(score(text(&other.join(name))).contains(word));
+    }
+    let line = fails(&["score", text(&other.join("seqinfo.ini")), "--truth", text(&truth)], 1);
+    assert!(line.contains("give a file of tracks"), "{line}");
     assert!(fails(&["score", "nowhere", "--truth", text(&truth)], 1).contains("nowhere"));
     fs::create_dir_all(results.join("groundtruth")).unwrap();
     assert!(score(text(&results)).contains("--masks"));
@@ -220,9 +236,17 @@ fn separators_and_headers_do_not_change_scores() {
     let headed = Scored::new(&format!("\u{feff}{header}{truth}"), &format!("{header}{found}"));
     assert_eq!(headed.score(&[]).0, plain);
     let wide: Vec<u8> = truth.encode_utf16().flat_map(u16::to_le_bytes).collect();
-    fs::write(&headed.truth, [&[0xFF, 0xFE][..], &wide].concat()).unwrap();
-    let line = fails(&["score", &headed.results, "--truth", &headed.truth], 1);
-    assert!(line.contains("gt.txt") && line.contains("UTF-16"), "{line}");
+    let wider: Vec<u8> = truth.chars().flat_map(|c| u32::from(c).to_le_bytes()).collect();
+    for (start, bytes, name) in [
+        (&[0xFF, 0xFE][..], &wide, "UTF-16"),
+        (&[], &wide, "UTF-16"),
+        (&[0xFF, 0xFE, 0, 0], &wider, "UTF-32"),
+        (&[], &wider, "UTF-32"),
+    ] {
+        fs::write(&headed.truth, [start, bytes].concat()).unwrap();
+        let line = fails(&["score", &headed.results, "--truth", &headed.truth], 1);
+        assert!(line.contains("gt.txt") && line.contains(name), "{line}");
+    }
 }
 
 #[test]

@@ -3,7 +3,6 @@
 use std::iter;
 use std::path::Path;
 
-use super::TruthError;
 use super::alignment;
 use super::analysed_frames::{AnalysedFrames, Origin};
 use super::boxes::{Boxes, shifted, shifted_number, span};
@@ -12,6 +11,7 @@ use super::formats::TrackFile;
 use super::ignored::without_ignored;
 use super::run_summary;
 use super::summary::{self, TrackScore};
+use super::{TruthError, counted};
 
 /// True and found boxes that are judged.
 pub struct Comparison<'a> {
@@ -101,14 +101,12 @@ impl<'a> Comparison<'a> {
     /// What was read of the ground truth and of the results, and what is judged.
     pub fn note(&self) -> String {
         let truth = self.truth;
-        let read = format!("{}, {} boxes in {} frames", truth.format, truth.count(), truth.boxes.len());
+        let boxes = counted(truth.count(), "box", "boxes");
+        let read = format!("{}, {boxes} in {}", truth.format, counted(truth.boxes.len(), "frame", "frames"));
         let remarks = self.results.remarks.iter().map(|remark| format!("of the results, {remark}"));
         let (first, last) = self.analysed.span();
-        let count = self.analysed.count();
-        let judged = format!(
-            "{} judged, {first} to {last}",
-            if count == 1 { "1 frame is".to_owned() } else { format!("{count} frames are") }
-        );
+        let frames = counted(self.analysed.count() as usize, "frame is", "frames are");
+        let judged = format!("{frames} judged, {first} to {last}");
         let judged = match self.analysed.origin() {
             Origin::Record => judged,
             Origin::RecordBeside => {
@@ -122,8 +120,13 @@ impl<'a> Comparison<'a> {
         };
         let numbers = truth.boxes.keys().filter_map(|number| shifted_number(*number, self.offset));
         let left_out = numbers.filter(|number| !self.analysed.contains(*number)).count();
-        let left_out = (left_out > 0)
-            .then(|| format!("{left_out} frames of the ground truth that were not analysed are left out"));
+        let left_out = (left_out > 0).then(|| {
+            counted(
+                left_out,
+                "frame of the ground truth that was not analysed is left out",
+                "frames of the ground truth that were not analysed are left out",
+            )
+        });
         let undefined = (!self.has_true_box())
             .then(|| "no box is in them, so that no measure of tracks is defined".to_owned());
         let clauses = iter::once(read).chain(truth.remarks.iter().cloned()).chain(remarks);

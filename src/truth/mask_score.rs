@@ -90,10 +90,13 @@ pub(super) fn decide(truth: &MaskFiles, number: u32, path: &Path) -> Result<Deci
     };
     let (width, height) = found.dimensions();
     if Size::new(width, height) != truth.size() {
-        return Err(TruthError::new(
-            path,
-            format!("its size differs from the ground truth, {}", truth.size()),
-        ));
+        let why = format!(
+            "it is {} and the true mask is {}; give masks of the size of the ground truth, scaled without new levels \
+             (nearest neighbour)",
+            Size::new(width, height),
+            truth.size()
+        );
+        return Err(TruthError::new(path, why));
     }
     Ok(truth.score(&mask_of(path, &found)?))
 }

@@ -482,10 +482,23 @@ fn strict_label(
 pub(super) fn is_folder_of_masks(folder: &Path) -> bool {
     let Ok(paths) = numbered_images(folder) else { return false };
     let paths: Vec<_> = paths.into_values().collect();
-    let is_mask = |path: &PathBuf| {
-        read(path).is_ok_and(|image| image.iter().all(|level| *level == 1 || LEVELS.contains(level)))
-    };
+    let is_mask =
+        |path: &PathBuf| read(path).is_ok_and(|image| image.iter().all(|level| *level == 1 || LEVELS.contains(level)));
     !paths.is_empty() && is_mask(&paths[0]) && is_mask(&paths[paths.len() / 2])
+}
+
+/// What to do where the numbered images of a folder are JPEGs, which are not read; `None` if there are none.
+pub(super) fn remark_on_jpegs(folder: &Path) -> Option<&'static str> {
+    let is_jpeg = |path: &Path| {
+        let ending = path.extension().unwrap_or_default();
+        ["jpg", "jpeg"].iter().any(|it| ending.eq_ignore_ascii_case(it))
+            && path.file_stem().is_some_and(|stem| last_number(&stem.to_string_lossy()).is_some())
+    };
+    let has_one = std::fs::read_dir(folder).ok()?.flatten().any(|entry| is_jpeg(&entry.path()));
+    has_one.then_some(
+        "its images are JPEGs, whose compression changes the levels; masks and label images are read from PNG, BMP, TIFF \
+         and PGM",
+    )
 }
 
 /// The images of a folder without loss (PNG, BMP, TIFF, PGM) by the last number in their names. Fails if two have the same

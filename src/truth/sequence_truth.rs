@@ -14,7 +14,7 @@ use super::mask_score::MaskScore;
 use super::masks::MaskFiles;
 use super::measures::Measures;
 use super::summary::TrackScore;
-use super::{TruthError, TruthSource, ignored};
+use super::{TruthError, TruthSource, counted, ignored};
 use crate::placement::Crop;
 use crate::source::sequence_length;
 
@@ -97,7 +97,9 @@ impl SequenceTruth {
         if let Some(tracks) = &mut self.tracks {
             let left_out = ignored::crop(&mut tracks.boxes, &mut tracks.ignored, &part);
             let occlusions = if self.occlusions.is_some() { ", and all events and episodes," } else { "" };
-            tracks.remarks.push(format!("{left_out} boxes outside the crop {part}{occlusions} are left out"));
+            let boxes = counted(left_out, "box", "boxes");
+            let are = if left_out == 1 && occlusions.is_empty() { "is" } else { "are" };
+            tracks.remarks.push(format!("{boxes} outside the crop {part}{occlusions} {are} left out"));
         }
         self.masks = self.masks.map(|masks| masks.within(part));
         self.occlusions = None;

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Deserialize;
 
 use super::{IMPOSSIBLE_BOX, TrackFile, bounds};
+use crate::truth::counted;
 use crate::truth::masks::last_number;
 
 #[derive(Deserialize)]
@@ -93,7 +94,7 @@ pub(super) fn read(text: &str) -> Result<TrackFile, String> {
         file.remarks.push("frame_id counts from 0 and is read as one more".to_owned());
     }
     if ignored > 0 {
-        file.remarks.push(format!("{ignored} boxes of crowds are ignored"));
+        file.remarks.push(counted(ignored, "box of a crowd is ignored", "boxes of crowds are ignored"));
     }
     Ok(file)
 }

@@ -88,6 +88,9 @@ pub fn read(path: &Path, role: Role) -> Result<TrackFile, TruthError> {
     }
     let bytes = fs::read(path).map_err(|error| TruthError::unreadable(path, error))?;
     let content = || {
+        if let Some(why) = other_file(path, role) {
+            return Err(why.to_owned());
+        }
         let (bytes, has_labels) = if archive::is_archive(&bytes) {
             let ArchivedTracks { bytes, has_labels } = archive::tracks(&bytes)?;
             (Cow::Owned(bytes), has_labels)
@@ -104,8 +107,27 @@ pub fn read(path: &Path, role: Role) -> Result<TrackFile, TruthError> {
     content().map_err(|why| TruthError::new(path, why))
 }
 
+/// What to give instead of a file whose name is that of one beside tracks.
+fn other_file(path: &Path, role: Role) -> Option<&'static str> {
+    match (path.file_name()?.to_str()?, role) {
+        ("seqinfo.ini", Role::Truth) => {
+            Some("it describes a MOTChallenge sequence; give the folder of the sequence, or gt/gt.txt in it")
+        }
+        ("seqinfo.ini", Role::Results) => Some("it describes a MOTChallenge sequence; give a file of tracks"),
+        ("tracks.json" | "summary.json", _) => {
+            Some("it is of the output of `run`; give tracks.csv beside it, or the folder as results")
+        }
+        _ => None,
+    }
+}
+
 /// The text of a file in UTF-8 or a code page that has ASCII.
 fn text_of(bytes: &[u8]) -> Result<String, &'static str> {
+    if matches!(bytes, [0xFF, 0xFE, 0, 0, ..] | [0, 0, 0xFE, 0xFF, ..])
+        || matches!(bytes, [0, 0, 0, other, ..] | [other, 0, 0, 0, ..] if *other != 0)
+    {
+        return Err("it is UTF-32 text; save it as UTF-8");
+    }
     if bytes.starts_with(&[0xFF, 0xFE])
         || bytes.starts_with(&[0xFE, 0xFF])
         || matches!(bytes, [0, other, ..] | [other, 0, ..] if *other != 0)
