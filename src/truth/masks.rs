@@ -478,12 +478,17 @@ fn strict_label(
     }
 }
 
+/// Whether masks have this level: CDnet's, and 1 as foreground.
+pub(super) fn is_mask_level(level: u8) -> bool {
+    level == 1 || LEVELS.contains(&level)
+}
+
 /// Whether the images of a folder are masks, by the levels of the first and the middle one.
 pub(super) fn is_folder_of_masks(folder: &Path) -> bool {
     let Ok(paths) = numbered_images(folder) else { return false };
     let paths: Vec<_> = paths.into_values().collect();
     let is_mask =
-        |path: &PathBuf| read(path).is_ok_and(|image| image.iter().all(|level| *level == 1 || LEVELS.contains(level)));
+        |path: &PathBuf| read(path).is_ok_and(|image| image.iter().all(|level| is_mask_level(*level)));
     !paths.is_empty() && is_mask(&paths[0]) && is_mask(&paths[paths.len() / 2])
 }
 

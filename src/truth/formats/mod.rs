@@ -84,7 +84,7 @@ impl TrackFile {
 /// Reads a file of tracks, or a folder of label images. Fails with the line of what cannot be.
 pub fn read(path: &Path, role: Role) -> Result<TrackFile, TruthError> {
     if path.is_dir() {
-        return label_images::read(path);
+        return label_images::read(path, role);
     }
     let bytes = fs::read(path).map_err(|error| TruthError::unreadable(path, error))?;
     let content = || {
