@@ -136,6 +136,8 @@ fn unusable_inputs_of_score_fail_in_one_line() {
     fs::create_dir(&results).unwrap();
     let truth = place.path("gt.txt");
     fs::write(&truth, "1,1,0,0,5,five,1\n").unwrap();
+    let tracks = results.join("tracks.csv");
+    fs::write(&tracks, "").unwrap();
     let score = |truth: &str| fails(&["score", text(&results), "--truth", truth], 1);
     let line = score(text(&truth));
     assert!(line.contains("gt.txt") && line.contains("line 1") && line.contains("five"), "{line}");
@@ -151,9 +153,23 @@ fn unusable_inputs_of_score_fail_in_one_line() {
         assert!(line.contains("line 2"), "{row}: {line}");
     }
     fs::write(&truth, "1,1,0,0,5,5,1\n").unwrap();
-    assert!(score(text(&truth)).contains("tracks.csv"));
+    fs::remove_file(&tracks).unwrap();
+    let line = score(text(&truth));
+    assert!(line.contains("results cannot be used") && line.contains("its tracks.csv"), "{line}");
+    fs::write(&tracks, "").unwrap();
     assert!(score("nowhere").contains("nowhere"));
-    assert!(score(text(&results)).contains("unknown ground truth"));
+    let other = place.path("other");
+    fs::create_dir(&other).unwrap();
+    assert!(score(text(&other)).contains("unknown ground truth"));
+    GrayImage::new(4, 4).save(other.join("fg1.jpg")).unwrap();
+    assert!(score(text(&other)).contains("JPEGs"));
+    assert!(fails(&["score", text(&other), "--truth", text(&truth)], 1).contains("JPEGs"));
+    for (name, word) in [("seqinfo.ini", "folder of the sequence"), ("tracks.json", "tracks.csv")] {
+        fs::write(other.join(name), "[Sequence]\n").unwrap();
+        assert!(score(text(&other.join(name))).contains(word));
+    }
+    let line = fails(&["score", text(&other.join("seqinfo.ini")), "--truth", text(&truth)], 1);
+    assert!(line.contains("give a file of tracks"), "{line}");
     assert!(fails(&["score", "nowhere", "--truth", text(&truth)], 1).contains("nowhere"));
     fs::create_dir_all(results.join("groundtruth")).unwrap();
     assert!(score(text(&results)).contains("--masks"));
@@ -220,9 +236,17 @@ fn separators_and_headers_do_not_change_scores() {
     let headed = Scored::new(&format!("\u{feff}{header}{truth}"), &format!("{header}{found}"));
     assert_eq!(headed.score(&[]).0, plain);
     let wide: Vec<u8> = truth.encode_utf16().flat_map(u16::to_le_bytes).collect();
-    fs::write(&headed.truth, [&[0xFF, 0xFE][..], &wide].concat()).unwrap();
-    let line = fails(&["score", &headed.results, "--truth", &headed.truth], 1);
-    assert!(line.contains("gt.txt") && line.contains("UTF-16"), "{line}");
+    let wider: Vec<u8> = truth.chars().flat_map(|c| u32::from(c).to_le_bytes()).collect();
+    for (start, bytes, name) in [
+        (&[0xFF, 0xFE][..], &wide, "UTF-16"),
+        (&[], &wide, "UTF-16"),
+        (&[0xFF, 0xFE, 0, 0], &wider, "UTF-32"),
+        (&[], &wider, "UTF-32"),
+    ] {
+        fs::write(&headed.truth, [start, bytes].concat()).unwrap();
+        let line = fails(&["score", &headed.results, "--truth", &headed.truth], 1);
+        assert!(line.contains("gt.txt") && line.contains(name), "{line}");
+    }
 }
 
 #[test]
@@ -253,6 +277,57 @@ fn only_analysed_frames_are_judged() {
 }
 
 #[test]
+fn a_file_of_tracks_is_judged_in_the_frames_of_its_run_or_sequence() {
+    let scored = Scored::new(&walker(1..=60, 4, 0), &walker(11..=40, 4, 0));
+    let tracks = scored.place.path("results/tracks.csv");
+    let summary = r#"{"input":{"frames":50,"first_frame":1,"last_frame":50}}"#;
+    fs::write(scored.place.path("results/summary.json"), summary).unwrap();
+    let (of_file, told) = scores(text(&tracks), &scored.truth, &[]);
+    assert_eq!((&of_file, mota(&of_file)), (&scored.score(&[]).0, 0.6), "as its folder");
+    assert!(
+        told.contains("50 frames are judged, 1 to 50, those in summary.json beside the tracks"),
+        "{told}"
+    );
+    // Of another tracker the length of the sequence is what is known.
+    let other = scored.place.path("results/other.txt");
+    fs::rename(&tracks, &other).unwrap();
+    let (score, told) = scores(text(&other), &scored.truth, &[]);
+    assert!(mota(&score) == 1.0 && told.contains("the first to the last with a result"), "{told}");
+    let sequence = scored.place.path("MOT-01");
+    fs::create_dir_all(sequence.join("gt")).unwrap();
+    fs::rename(&scored.truth, sequence.join("gt/gt.txt")).unwrap();
+    fs::write(sequence.join("seqinfo.ini"), "[Sequence]\nseqLength=60\n").unwrap();
+    for truth in [sequence.clone(), sequence.join("gt"), sequence.join("gt/gt.txt")] {
+        let (score, told) = scores(text(&other), text(&truth), &[]);
+        assert!(
+            mota(&score) == 0.5 && told.contains("60 frames are judged, 1 to 60, the sequence's"),
+            "{told}"
+        );
+    }
+}
+
+#[test]
+fn ground_truth_without_a_judged_box_is_an_error() {
+    let ignored = walker(1..=20, 4, 0).replace(",40,1\n", ",40,0\n");
+    for truth in ["", "\n", &*ignored] {
+        let scored = Scored::new(truth, &walker(1..=20, 4, 0));
+        let line = fails(&["score", &scored.results, "--truth", &scored.truth], 1);
+        assert!(line.contains("gt.txt") && line.contains("no box of it is judged"), "{line}");
+        assert_eq!(line.contains("20 boxes of confidence 0"), truth == ignored, "{line}");
+    }
+    // Boxes in other frames than those that were analysed, which are within their range.
+    let truth = walker(1..=3, 4, 0) + &walker(30..=33, 4, 0);
+    let scored = Scored::new(&truth, &walker(10..=20, 4, 0));
+    let line = fails(&["score", &scored.results, "--truth", &scored.truth], 1);
+    assert!(line.contains("not among those that were analysed, 10 to 20"), "{line}");
+    let summary = r#"{"input":{"frames":3,"first_frame":2,"last_frame":10,"analysed":[[2,10,4]]}}"#;
+    fs::write(scored.place.path("results/summary.json"), summary).unwrap();
+    fs::write(&scored.truth, walker(3..=4, 4, 0)).unwrap();
+    let line = fails(&["score", &scored.results, "--truth", &scored.truth], 1);
+    assert!(line.contains("no box in the analysed frames"), "{line}");
+}
+
+#[test]
 fn other_frame_numbers_are_told_with_the_offset_that_mends_them() {
     for (addition, mend) in [(-1, "--offset 1"), (3, "--offset -3"), (-30, "--offset 30")] {
         let truth = walker(31..=60, 9, addition);
@@ -267,9 +342,16 @@ fn other_frame_numbers_are_told_with_the_offset_that_mends_them() {
         let (score, told) = scored.score(&["--offset", offset]);
         assert!(mota(&score) == 1.0 && !told.contains("warning"), "{score} {told}");
     }
-    // Slow objects off by one match nearly as well: the frame 0 gives it away.
+    // Slow objects off by one match nearly as well: the frame 0 gives it away, or the last frame.
     let scored = Scored::new(&walker(0..=29, 1, 0), &walker(0..=29, 1, 1));
     assert!(scored.score(&[]).1.contains("--offset 1"));
+    let summary = r#"{"input":{"frames":30,"first_frame":1,"last_frame":30}}"#;
+    for (truth, mend) in [(walker(1..=30, 1, 3), "--offset -3"), (walker(1..=30, 1, 1), "--offset -1")] {
+        let scored = Scored::new(&truth, &walker(1..=30, 1, 0));
+        fs::write(scored.place.path("results/summary.json"), summary).unwrap();
+        assert!(scored.score(&[]).1.contains(mend), "{mend}");
+        assert!(!scored.score(&["--offset", mend.trim_start_matches("--offset ")]).1.contains("warning"));
+    }
 }
 
 #[test]
@@ -289,6 +371,15 @@ fn masks_with_other_numbers_are_told_with_an_offset() {
     let (score, told) = scores(text(&found), text(&truth), &["--offset", "2"]);
     assert_eq!((&score["masks"]["f_measure"], &score["masks"]["frames"]), (&1.0.into(), &9.into()));
     assert!(!told.contains("warning"), "{told}");
+    // Large objects off by one match nearly as well.
+    for number in 1..=9 {
+        let large = |x: u32, _| Luma([if (number..number + 24).contains(&x) { 255 } else { 0 }]);
+        GrayImage::from_fn(40, 10, large).save(truth.join(format!("{number:04}.png"))).unwrap();
+        GrayImage::from_fn(40, 10, large).save(found.join(format!("fg_{}.png", number + 2))).unwrap();
+    }
+    let (score, told) = scores(text(&found), text(&truth), &["--offset", "1"]);
+    assert!(score["masks"]["f_measure"].as_f64().unwrap() > 0.95 && told.contains("--offset 2"), "{told}");
+    assert!(!scores(text(&found), text(&truth), &["--offset", "2"]).1.contains("warning"));
     let line = fails(&["score", text(&found), "--truth", text(&truth), "--offset", "-100"], 1);
     assert!(line.contains("no mask"), "{line}");
     let line = fails(&["score", text(&found), "--truth", text(&truth), "--offset", "100"], 1);
@@ -375,6 +466,12 @@ fn tracks_in_xml_json_and_label_images_are_ground_truth() {
     let zip = place.path("mot.zip");
     fs::write(&zip, b"PK\x03\x04rest").unwrap();
     assert!(fails(&["score", text(&found), "--truth", text(&zip)], 1).contains("unpack"));
+    // The archives of `export`, which are those of CVAT, but stored.
+    let archived = [("gt/gt.txt", walker(1..=8, 4, 0)), ("gt/labels.txt", "car\n".to_owned())];
+    let archived: Vec<_> = archived.iter().map(|(name, content)| (*name, content.as_bytes())).collect();
+    occluscope::export::zip::write(&mut fs::File::create(&zip).unwrap(), &archived).unwrap();
+    let (score, told) = scores(text(&found), text(&zip), &[]);
+    assert!(mota(&score) == 1.0 && told.contains("MOTChallenge text, 8 boxes in 8 frames"), "{told}");
 }
 
 /// A run into the folder of an earlier one that wrote masks: they are not of its settings.

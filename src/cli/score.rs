@@ -24,10 +24,7 @@ use crate::truth::measures::Measures;
 use crate::truth::run_summary::{self, MasksOfRun};
 use crate::truth::sequence_truth::{Occlusions, Scores, SequenceTruth};
 use crate::truth::survival::Survival;
-use crate::truth::{TruthError, alignment};
-
-/// F measure of masks below which other offsets are tried.
-const POOR_F: f64 = 0.5;
+use crate::truth::{TruthError, alignment, counted};
 
 /// Defines the subcommand.
 pub fn command() -> Command {
@@ -35,12 +32,12 @@ pub fn command() -> Command {
         .about("Score the results of `run`, tracks or masks against ground truth")
         .after_help(
             "PATH is one of\n  a MOTChallenge gt.txt with any separator, or its sequence folder; CVAT for video XML \
-             1.1; CAVIAR's CVML; COCO JSON with tracks; a folder of 16-bit label images: CLEAR-MOT and IDF1 at IoU \
+             1.1; CAVIAR's CVML; COCO JSON with tracks; a zip that CVAT exports; a folder of label images: CLEAR-MOT and IDF1 at IoU \
              0.5 and 0.3, HOTA, identities kept through occlusion;\n  a CDnet folder (groundtruth/, ROI.bmp, \
              temporalROI.txt), or a folder of masks of 0 and 255: the seven mask measures; `run` needs \
              --masks;\n  a scene written by `synth`: tracks, events and episodes by kind (tolerance of 8 frames), \
-             and masks if available.\n\nOnly frames that were analysed are judged: those in summary.json, or from \
-             the first to the last of a file of tracks; with --crop, only what is inside it. Boxes of confidence 0 and \
+             and masks if available.\n\nOnly frames that were analysed are judged: those in summary.json, else \
+             all that seqinfo.ini states, or from the first to the last of a file of tracks; with --crop, only what is inside it. Boxes of confidence 0 and \
              of MOTChallenge's distractors are neither found nor missed. Frames that CVAT and CAVIAR number from 0 are read from 1.\n\n\
              Examples:\n  occluscope score results --truth gt.txt\n  occluscope score results --truth highway \
              --json\n  occluscope score results --truth crossing\n  occluscope score tracker.txt --truth MOT17-09\n  \
@@ -155,9 +152,9 @@ impl Scored {
         }
         if let Some(tracks) = &truth.tracks {
             let found = results.tracks()?;
-            let analysed = results.analysed(&found.boxes);
+            let analysed = results.analysed(&found.boxes, &truth);
             let comparison = Comparison::new(tracks, &found, &analysed, offset);
-            if truth.occlusions.is_none() {
+            if truth.occlusions.is_none() && scored.scores.masks.is_none() {
                 comparison.check_frames(&truth.path)?;
             }
             let reported = truth.occlusions.as_ref().and(results.folder());
@@ -199,19 +196,17 @@ impl Scored {
         let score = mask_score::score(folder, masks)?;
         let outside = masks.part().map(|part| format!("; pixels outside the crop {part} do not count"));
         self.notes.push(format!(
-            "note: {}: {} masks; {} frames are judged, those with a mask in {}{}",
+            "note: {}: {}; {} judged, those with a mask in {}{}",
             truth.display(),
-            masks.numbers().count(),
-            score.frames,
+            counted(masks.numbers().count(), "mask", "masks"),
+            counted(score.frames, "frame is", "frames are"),
             folder.display(),
             outside.unwrap_or_default()
         ));
         if let Some(remark) = masks.remark() {
             self.notes.push(format!("warning: {}: {remark}", truth.display()));
         }
-        if score.f_measure < POOR_F
-            && let Some(more) = alignment::better_offset_of_masks(masks, &mask_score::results_in(folder)?)?
-        {
+        if let Some(more) = alignment::better_offset_of_masks(masks, &mask_score::results_in(folder)?)? {
             self.notes.push(format!(
                 "warning: {}: its masks match better with --offset {}; check where its frame numbers start",
                 truth.display(),
@@ -253,7 +248,8 @@ fn print(scores: &Scores, out: &mut impl Write) -> io::Result<()> {
         let Survival { episodes, identities, survived, .. } = &tracks.occlusion;
         writeln!(
             out,
-            "occlusion {survived} of {identities} identities kept through {episodes} occlusion episodes"
+            "occlusion {survived} of {identities} identities kept through {}",
+            counted(*episodes, "occlusion episode", "occlusion episodes")
         )?;
     }
     for (title, found) in [("events", &scores.events), ("episodes", &scores.episodes)] {
@@ -273,7 +269,7 @@ fn print(scores: &Scores, out: &mut impl Write) -> io::Result<()> {
     if let Some(score) = &scores.masks {
         writeln!(
             out,
-            "masks     F {:.4}  precision {:.4}  recall {:.4}  specificity {:.4}  FPR {:.4}  FNR {:.4}  PWC {:.3}  ({} frames)",
+            "masks     F {:.4}  precision {:.4}  recall {:.4}  specificity {:.4}  FPR {:.4}  FNR {:.4}  PWC {:.3}  ({})",
             score.f_measure,
             score.precision,
             score.recall,
@@ -281,7 +277,7 @@ fn print(scores: &Scores, out: &mut impl Write) -> io::Result<()> {
             score.fpr,
             score.fnr,
             score.pwc,
-            score.frames
+            counted(score.frames, "frame", "frames")
         )?;
     }
     Ok(())

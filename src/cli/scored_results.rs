@@ -5,17 +5,18 @@ use std::path::Path;
 use anyhow::bail;
 
 use crate::placement::Crop;
-use crate::truth::analysed_frames::AnalysedFrames;
+use crate::truth::analysed_frames::{AnalysedFrames, Origin};
 use crate::truth::boxes::{Boxes, span};
 use crate::truth::formats::{self, Role, TrackFile};
 use crate::truth::result_source::ResultSource;
-use crate::truth::run_summary::{MasksOfRun, RunInput, RunSummary};
+use crate::truth::run_summary::{self, MasksOfRun, RunInput, RunSummary};
+use crate::truth::sequence_truth::SequenceTruth;
 
 /// The results at a path.
 #[derive(Debug)]
 pub(super) struct ScoredResults {
     source: ResultSource,
-    /// The summary of the run.
+    /// The summary of the run: of its output folder, or of that of its file of tracks.
     summary: Option<RunSummary>,
 }
 
@@ -31,6 +32,11 @@ impl ScoredResults {
         let source = ResultSource::of(path)?;
         let summary = match &source {
             ResultSource::Run(folder) => RunSummary::read(folder)?,
+            // One that cannot be read may be of anything.
+            ResultSource::Tracks(path) if path.ends_with(run_summary::TRACKS) => {
+                let beside = path.parent().map(RunSummary::read);
+                beside.and_then(Result::ok).flatten()
+            }
             ResultSource::Tracks(_) | ResultSource::Masks(_) => None,
         };
         Ok(Self { source, summary })
@@ -93,11 +99,15 @@ impl ScoredResults {
         }
     }
 
-    /// The analysed frames: from the summary of a run, else those from the first to the last with a box in `found`; all
-    /// where there is none.
-    pub(super) fn analysed(&self, found: &Boxes) -> AnalysedFrames {
+    /// The analysed frames: from the summary of a run; of other tracks those of the sequence of `truth`, where its length is
+    /// known, else those from the first to the last with a box in `found`; all where there is none.
+    pub(super) fn analysed(&self, found: &Boxes, truth: &SequenceTruth) -> AnalysedFrames {
+        let is_file = self.has_only_tracks();
         let of_summary = self.input().and_then(RunInput::analysed_frames);
-        of_summary.unwrap_or_else(|| AnalysedFrames::of_results(span(found)))
+        let of_summary =
+            of_summary.map(|frames| if is_file { frames.known_by(Origin::RecordBeside) } else { frames });
+        let of_truth = || truth.frames().filter(|_| is_file);
+        of_summary.or_else(of_truth).unwrap_or_else(|| AnalysedFrames::of_results(span(found)))
     }
 
     /// The part of the images that was analysed; `None` where it is all of them, or not known.

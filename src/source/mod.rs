@@ -45,6 +45,7 @@ pub use levels::{LevelRange, Levels};
 pub use name::{name_of, path_of, shown};
 pub use options::{Options, SCALE_RANGE, parse_crop, parse_scale};
 pub use quiet::silence_libraries;
+pub(crate) use rate::sequence_length;
 pub use rate::{FPS_RANGE, FpsFrom, parse_fps};
 pub use scene_folder::SceneFolder;
 

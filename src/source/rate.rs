@@ -118,6 +118,11 @@ pub(super) fn image_folder(sequence: &Path) -> Option<String> {
     entry(&text_of(&sequence.join(SEQINFO)).ok()?, "imDir").map(str::to_owned)
 }
 
+/// The number of frames that the `seqinfo.ini` of a sequence's folder gives.
+pub(crate) fn sequence_length(sequence: &Path) -> Option<u32> {
+    entry(&text_of(&sequence.join(SEQINFO)).ok()?, "seqLength")?.parse().ok()
+}
+
 /// The value of a key in the text of a `seqinfo.ini`.
 fn entry<'a>(text: &'a str, key: &str) -> Option<&'a str> {
     let mut entries = text.trim_start_matches('\u{feff}').lines().filter_map(|line| line.split_once('='));

@@ -22,7 +22,7 @@ pub fn scored_kinds(truth: &SequenceTruth) -> ScoredKinds {
 }
 
 /// The measures of an outcome over the `analysed` frames, as `score` computes them from the files of `run`. Fails if no
-/// frame of the ground truth was analysed.
+/// frame of the ground truth was analysed, or nothing in these frames is judged.
 pub fn measures(
     outcome: &Outcome,
     truth: &SequenceTruth,
@@ -34,12 +34,13 @@ pub fn measures(
         if outcome.judged_masks == 0 {
             return Err(masks.without_common_frame(&truth.path, analysed.span()));
         }
+        masks.check_decisions(outcome.decisions, &truth.path)?;
         scores.masks = Some(MaskScore::new(outcome.judged_masks, outcome.decisions));
     }
     if let (Some(tracks), Some(result)) = (&truth.tracks, &outcome.result) {
         let results = TrackFile { boxes: source_boxes(result, placement), ..TrackFile::default() };
         let comparison = Comparison::new(tracks, &results, analysed, truth.offset);
-        if truth.occlusions.is_none() {
+        if truth.occlusions.is_none() && scores.masks.is_none() {
             comparison.check_frames(&truth.path)?;
         }
         scores.add_tracks(&comparison, truth.occlusions.as_ref(), Some(&reported_occlusions(result)));

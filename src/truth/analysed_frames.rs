@@ -15,6 +15,10 @@ struct Run {
 pub enum Origin {
     /// From the record of the analysis.
     Record,
+    /// From the record beside the results, a file of tracks.
+    RecordBeside,
+    /// From the length of the sequence that the ground truth states.
+    Length,
     /// From the first to the last frame with a result.
     Results,
     /// Not at all, as there are no results: all frames.
@@ -59,6 +63,12 @@ impl AnalysedFrames {
         let origin = if span.is_some() { Origin::Results } else { Origin::Unknown };
         let (first, last) = span.unwrap_or((0, u32::MAX));
         Self { runs: vec![Run { first, last, step: 1 }], origin }
+    }
+
+    /// The same frames, known otherwise.
+    #[must_use]
+    pub fn known_by(self, origin: Origin) -> Self {
+        Self { origin, ..self }
     }
 
     /// How they are known.

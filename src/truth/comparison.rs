@@ -3,14 +3,15 @@
 use std::iter;
 use std::path::Path;
 
-use super::TruthError;
 use super::alignment;
 use super::analysed_frames::{AnalysedFrames, Origin};
 use super::boxes::{Boxes, shifted, shifted_number, span};
 use super::event_scoring::ScoredEvent;
 use super::formats::TrackFile;
 use super::ignored::without_ignored;
+use super::run_summary;
 use super::summary::{self, TrackScore};
+use super::{TruthError, counted};
 
 /// True and found boxes that are judged.
 pub struct Comparison<'a> {
@@ -59,16 +60,31 @@ impl<'a> Comparison<'a> {
     /// The offset at which the boxes match better, if there is one.
     pub fn better_offset(&self) -> Option<i64> {
         let truth = shifted(&self.truth.boxes, self.offset);
-        let more = alignment::better_offset(&truth, &self.results.boxes, self.analysed.span().0);
+        let more = alignment::better_offset(&truth, &self.results.boxes, self.analysed.span());
         more.map(|more| self.offset + more)
     }
 
-    /// Fails if no frame of the ground truth, which is in `path`, was analysed.
+    /// Whether a true box is in the analysed frames: without, no measure of tracks is defined.
+    pub fn has_true_box(&self) -> bool {
+        self.boxes.iter().any(|(number, boxes)| !boxes.is_empty() && self.analysed.contains(*number))
+    }
+
+    /// Fails if no box of the ground truth, which is in `path`, is in an analysed frame.
     pub fn check_frames(&self, path: &Path) -> Result<(), TruthError> {
-        let Some((true_first, true_last)) = span(&self.truth.boxes).filter(|_| self.boxes.is_empty()) else {
+        if self.has_true_box() {
             return Ok(());
+        }
+        let Some((true_first, true_last)) = span(&self.truth.boxes).filter(|_| self.truth.count() > 0) else {
+            return Err(self.truth.without_box(path));
         };
         let (first, last) = self.analysed.span();
+        if !self.boxes.is_empty() {
+            let why = format!(
+                "it has no box in the analysed frames, {first} to {last}, so that no measure of tracks is defined; \
+                 analyse frames with a true box"
+            );
+            return Err(TruthError::new(path, why));
+        }
         let (offset, reason) = match self.better_offset() {
             Some(offset) => (offset, "where the boxes match"),
             None => (i64::from(first) - i64::from(true_first), "which makes the first numbers equal"),
@@ -85,22 +101,35 @@ impl<'a> Comparison<'a> {
     /// What was read of the ground truth and of the results, and what is judged.
     pub fn note(&self) -> String {
         let truth = self.truth;
-        let read = format!("{}, {} boxes in {} frames", truth.format, truth.count(), truth.boxes.len());
+        let boxes = counted(truth.count(), "box", "boxes");
+        let read = format!("{}, {boxes} in {}", truth.format, counted(truth.boxes.len(), "frame", "frames"));
         let remarks = self.results.remarks.iter().map(|remark| format!("of the results, {remark}"));
         let (first, last) = self.analysed.span();
-        let count = self.analysed.count();
+        let frames = counted(self.analysed.count() as usize, "frame is", "frames are");
+        let judged = format!("{frames} judged, {first} to {last}");
         let judged = match self.analysed.origin() {
-            Origin::Record => format!("{count} frames are judged, {first} to {last}"),
+            Origin::Record => judged,
+            Origin::RecordBeside => {
+                format!("{judged}, those in {} beside the tracks", run_summary::FILE)
+            }
+            Origin::Length => format!("{judged}, the sequence's seqLength in seqinfo.ini"),
             Origin::Results => {
-                format!("{count} frames are judged, {first} to {last}, the first to the last with a result")
+                format!("{judged}, the first to the last with a result")
             }
             Origin::Unknown => "all frames are judged, as there are no results".to_owned(),
         };
         let numbers = truth.boxes.keys().filter_map(|number| shifted_number(*number, self.offset));
         let left_out = numbers.filter(|number| !self.analysed.contains(*number)).count();
-        let left_out = (left_out > 0)
-            .then(|| format!("{left_out} frames of the ground truth that were not analysed are left out"));
+        let left_out = (left_out > 0).then(|| {
+            counted(
+                left_out,
+                "frame of the ground truth that was not analysed is left out",
+                "frames of the ground truth that were not analysed are left out",
+            )
+        });
+        let undefined = (!self.has_true_box())
+            .then(|| "no box is in them, so that no measure of tracks is defined".to_owned());
         let clauses = iter::once(read).chain(truth.remarks.iter().cloned()).chain(remarks);
-        clauses.chain([judged]).chain(left_out).collect::<Vec<_>>().join("; ")
+        clauses.chain([judged]).chain(undefined).chain(left_out).collect::<Vec<_>>().join("; ")
     }
 }

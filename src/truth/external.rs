@@ -55,7 +55,7 @@ impl ExternalResults {
         let file = tracks.map(|path| formats::read(&path, Role::Results)).transpose()?;
         let masks = masks.map(|folder| masks_in(&folder)).transpose()?.flatten();
         if file.is_none() && masks.is_none() {
-            let why = "no tracks or masks found in it; use a file of tracks, a folder of masks or of 16-bit label \
+            let why = "no tracks or masks found in it; use a file of tracks, a folder of masks or of label \
                        images, or the output folder of `run`";
             return Err(TruthError::new(path, why));
         }

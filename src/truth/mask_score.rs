@@ -64,7 +64,7 @@ pub fn results_in(folder: &Path) -> Result<MaskResults, TruthError> {
     if folder.is_dir() { masks::numbered_images(folder) } else { Ok(MaskResults::new()) }
 }
 
-/// Scores the masks in `folder` for the frames with truth.
+/// Scores the masks in `folder` for the frames with truth. Fails if no pixel of them counts.
 pub fn score(folder: &Path, truth: &MaskFiles) -> Result<MaskScore, TruthError> {
     let found = results_in(folder)?;
     let pairs: Vec<_> = truth.numbers().filter_map(|number| Some((number, found.get(&number)?))).collect();
@@ -77,7 +77,9 @@ pub fn score(folder: &Path, truth: &MaskFiles) -> Result<MaskScore, TruthError> 
     }
     let decisions = pairs.par_iter().map(|(number, path)| decide(truth, *number, path));
     let decisions: Vec<Decisions> = decisions.collect::<Result<_, TruthError>>()?;
-    Ok(MaskScore::new(pairs.len(), decisions.into_iter().sum()))
+    let decisions = decisions.into_iter().sum();
+    truth.check_decisions(decisions, folder)?;
+    Ok(MaskScore::new(pairs.len(), decisions))
 }
 
 /// Compares the mask in a file with the true one of the frame `number`. Fails if it has other levels than those of
@@ -88,10 +90,13 @@ pub(super) fn decide(truth: &MaskFiles, number: u32, path: &Path) -> Result<Deci
     };
     let (width, height) = found.dimensions();
     if Size::new(width, height) != truth.size() {
-        return Err(TruthError::new(
-            path,
-            format!("its size differs from the ground truth, {}", truth.size()),
-        ));
+        let why = format!(
+            "it is {} and the true mask is {}; give masks of the size of the ground truth, scaled without new levels \
+             (nearest neighbour)",
+            Size::new(width, height),
+            truth.size()
+        );
+        return Err(TruthError::new(path, why));
     }
     Ok(truth.score(&mask_of(path, &found)?))
 }
@@ -145,6 +150,11 @@ mod tests {
         let scored = score_all().unwrap();
         let Decisions { tp, fp, fn_, tn } = scored.decisions;
         assert_eq!((scored.frames, [tp, fp, fn_, tn]), (2, [2, 4, 2, 2]));
+        // Where no pixel counts, no measure is defined.
+        write(truth.join("ROI.bmp"), [0; 8]);
+        let line = score_all().unwrap_err().to_string();
+        assert!(line.contains("no pixel") && line.contains("ROI.bmp"), "{line}");
+        write(truth.join("ROI.bmp"), [255, 255, 255, 255, 255, 255, 255, 0]);
         std::fs::write(truth.join("temporalROI.txt"), "8 9").unwrap();
         assert!(score_all().unwrap_err().to_string().contains("--masks"));
         std::fs::write(truth.join("temporalROI.txt"), "2 9\n").unwrap();

@@ -384,6 +384,20 @@ impl MaskFiles {
         TruthError::new(path, why)
     }
 
+    /// Fails if there is no decision, as no pixel of the frames that the results in `path` and the ground truth have counts.
+    pub fn check_decisions(&self, decisions: Decisions, path: &Path) -> Result<(), TruthError> {
+        if decisions.all() > 0 {
+            return Ok(());
+        }
+        let region = self.roi.as_ref().map(|_| ", outside ROI.bmp").unwrap_or_default();
+        let part = self.part.map(|part| format!(", outside the crop {part}")).unwrap_or_default();
+        let why = format!(
+            "no pixel of its frames with a true mask counts, so that no measure is defined: all are unknown ({UNKNOWN}), \
+             outside ({OUTSIDE}){region}{part} in the ground truth; give frames with judged pixels"
+        );
+        Err(TruthError::new(path, why))
+    }
+
     /// The frame numbers in ascending order.
     pub fn numbers(&self) -> impl Iterator<Item = u32> {
         self.paths.keys().copied()
@@ -464,14 +478,32 @@ fn strict_label(
     }
 }
 
+/// Whether masks have this level: CDnet's, and 1 as foreground.
+pub(super) fn is_mask_level(level: u8) -> bool {
+    level == 1 || LEVELS.contains(&level)
+}
+
 /// Whether the images of a folder are masks, by the levels of the first and the middle one.
 pub(super) fn is_folder_of_masks(folder: &Path) -> bool {
     let Ok(paths) = numbered_images(folder) else { return false };
     let paths: Vec<_> = paths.into_values().collect();
-    let is_mask = |path: &PathBuf| {
-        read(path).is_ok_and(|image| image.iter().all(|level| *level == 1 || LEVELS.contains(level)))
-    };
+    let is_mask =
+        |path: &PathBuf| read(path).is_ok_and(|image| image.iter().all(|level| is_mask_level(*level)));
     !paths.is_empty() && is_mask(&paths[0]) && is_mask(&paths[paths.len() / 2])
+}
+
+/// What to do where the numbered images of a folder are JPEGs, which are not read; `None` if there are none.
+pub(super) fn remark_on_jpegs(folder: &Path) -> Option<&'static str> {
+    let is_jpeg = |path: &Path| {
+        let ending = path.extension().unwrap_or_default();
+        ["jpg", "jpeg"].iter().any(|it| ending.eq_ignore_ascii_case(it))
+            && path.file_stem().is_some_and(|stem| last_number(&stem.to_string_lossy()).is_some())
+    };
+    let has_one = std::fs::read_dir(folder).ok()?.flatten().any(|entry| is_jpeg(&entry.path()));
+    has_one.then_some(
+        "its images are JPEGs, whose compression changes the levels; masks and label images are read from PNG, BMP, TIFF \
+         and PGM",
+    )
 }
 
 /// The images of a folder without loss (PNG, BMP, TIFF, PGM) by the last number in their names. Fails if two have the same

@@ -43,6 +43,11 @@ use self::ignored::Ignored;
 use self::masks::{MaskFiles, TrueMasks};
 use crate::placement::Placement;
 
+/// A number and what it counts, in words for one and for several.
+pub fn counted(count: usize, one: &str, several: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { several })
+}
+
 /// An error of a file of results or of ground truth.
 #[derive(Debug, thiserror::Error)]
 #[error("{} cannot be used: {why}", path.display())]
@@ -103,12 +108,14 @@ impl TruthSource {
             None if !path.exists() => Err(TruthError::new(path, "it does not exist; check the path")),
             None if label_images::is_folder_of_labels(path) => Ok(Self::Boxes(path.to_owned())),
             None if masks::is_folder_of_masks(path) => Ok(Self::Masks(path.to_owned())),
-            None => Err(TruthError::new(
-                path,
-                "unknown ground truth format; use MOTChallenge text or its sequence folder, CVAT or CAVIAR XML, COCO \
-                 JSON, a CDnet folder with groundtruth/, a folder of masks of 0 and 255 or of 16-bit labels, or a \
-                 scene written by `synth`",
-            )),
+            None => {
+                let why = masks::remark_on_jpegs(path).unwrap_or(
+                    "unknown ground truth format; use MOTChallenge text or its sequence folder, CVAT or CAVIAR XML, COCO JSON, \
+                     a zip that CVAT exports, a CDnet folder with groundtruth/, a folder of masks of 0 and 255 or of label \
+                     images, or a scene written by `synth`",
+                );
+                Err(TruthError::new(path, why))
+            }
         }
     }
 

@@ -15,6 +15,9 @@ use crate::source::Options;
 /// The name of the file in the output folder of `run`.
 pub const FILE: &str = "summary.json";
 
+/// The file of tracks in the output folder of `run`.
+pub const TRACKS: &str = "tracks.csv";
+
 /// The folder of masks in the output folder of `run`.
 pub const MASKS: &str = "masks";
 

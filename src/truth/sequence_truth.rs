@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use super::analysed_frames::{AnalysedFrames, Origin};
+use super::boxes::shifted_number;
 use super::comparison::Comparison;
 use super::event_scoring::{self, EventScore, ScoredEvent};
 use super::formats::TrackFile;
@@ -12,8 +14,9 @@ use super::mask_score::MaskScore;
 use super::masks::MaskFiles;
 use super::measures::Measures;
 use super::summary::TrackScore;
-use super::{TruthError, TruthSource, ignored};
+use super::{TruthError, TruthSource, counted, ignored};
 use crate::placement::Crop;
+use crate::source::sequence_length;
 
 /// Largest deviation in frames of events and of the ends of episodes.
 pub const EVENT_TOLERANCE: u32 = 8;
@@ -49,6 +52,8 @@ pub struct SequenceTruth {
     pub occlusions: Option<Occlusions>,
     /// What is added to its frame numbers.
     pub offset: i64,
+    /// The number of frames of the sequence, where it is stated.
+    pub length: Option<u32>,
 }
 
 impl SequenceTruth {
@@ -62,13 +67,27 @@ impl SequenceTruth {
             }
             _ => None,
         };
+        let tracks = source.tracks()?;
+        if let (TruthSource::Boxes(_), Some(tracks)) = (&source, &tracks)
+            && tracks.count() == 0
+        {
+            return Err(tracks.without_box(path));
+        }
         Ok(Self {
             path: path.to_owned(),
-            tracks: source.tracks()?,
+            tracks,
             masks: source.masks()?.map(|masks| masks.shifted(offset)),
             occlusions,
             offset,
+            length: length_of(path),
         })
+    }
+
+    /// All frames of the sequence in the numbers of the results, where their number is stated.
+    pub fn frames(&self) -> Option<AnalysedFrames> {
+        let number = |number| shifted_number(number, self.offset);
+        let frames = AnalysedFrames::at_steps(number(1)?, number(self.length?)?, 1)?;
+        Some(frames.known_by(Origin::Length))
     }
 
     /// The ground truth of a part of the images, as [`ignored::crop`] cuts boxes; pixels outside do not count. Events and
@@ -78,12 +97,22 @@ impl SequenceTruth {
         if let Some(tracks) = &mut self.tracks {
             let left_out = ignored::crop(&mut tracks.boxes, &mut tracks.ignored, &part);
             let occlusions = if self.occlusions.is_some() { ", and all events and episodes," } else { "" };
-            tracks.remarks.push(format!("{left_out} boxes outside the crop {part}{occlusions} are left out"));
+            let boxes = counted(left_out, "box", "boxes");
+            let are = if left_out == 1 && occlusions.is_empty() { "is" } else { "are" };
+            tracks.remarks.push(format!("{boxes} outside the crop {part}{occlusions} {are} left out"));
         }
         self.masks = self.masks.map(|masks| masks.within(part));
         self.occlusions = None;
         self
     }
+}
+
+/// The number of frames that MOTChallenge's `seqinfo.ini` states of the sequence with the ground truth at `path`: its folder,
+/// the folder `gt` in it, or a file in either.
+fn length_of(path: &Path) -> Option<u32> {
+    let path = path.canonicalize().ok()?;
+    let folder = if path.is_file() { path.parent()? } else { &path };
+    sequence_length(if folder.ends_with("gt") { folder.parent()? } else { folder })
 }
 
 /// All scores that the ground truth permits.
@@ -104,7 +133,7 @@ pub struct Scores {
 }
 
 impl Scores {
-    /// Scores the tracks, and, where both have them, the events and episodes.
+    /// Scores the tracks, where a true box is judged, and, where both have them, the events and episodes.
     pub fn add_tracks(
         &mut self,
         comparison: &Comparison<'_>,
@@ -120,7 +149,7 @@ impl Scores {
             self.events = Some(compare(&truth.events, &reported.events));
             self.episodes = Some(compare(&truth.episodes, &reported.episodes));
         }
-        self.tracks = Some(comparison.score());
+        self.tracks = comparison.has_true_box().then(|| comparison.score());
     }
 
     /// The main results under short names.

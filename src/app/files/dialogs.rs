@@ -31,7 +31,7 @@ const MIN_DIALOG_DURATION: Duration = Duration::from_millis(250);
 const FURTHER_ENDINGS: [&str; 3] = ["gif", "tif", "tiff"];
 
 /// The endings of the names of files of tracks that the dialogs list.
-const TRACK_ENDINGS: [&str; 4] = ["txt", "csv", "xml", "json"];
+const TRACK_ENDINGS: [&str; 5] = ["txt", "csv", "xml", "json", "zip"];
 
 /// The result of a dialog.
 pub(crate) enum DialogResult {

@@ -57,5 +57,5 @@ fn is_truth_for(path: &Path, model: &Model) -> bool {
         return TruthSource::of(path).is_ok() && (is_opened() || SceneFolder::at(path).is_none());
     }
     let ending = path.extension().unwrap_or_default();
-    ["txt", "csv", "xml", "json"].iter().any(|other| ending.eq_ignore_ascii_case(other))
+    ["txt", "csv", "xml", "json", "zip"].iter().any(|other| ending.eq_ignore_ascii_case(other))
 }

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Deserialize;
 
 use super::{IMPOSSIBLE_BOX, TrackFile, bounds};
+use crate::truth::counted;
 use crate::truth::masks::last_number;
 
 #[derive(Deserialize)]
@@ -33,8 +34,29 @@ struct Annotation {
     iscrowd: u8,
 }
 
-/// Reads the annotations of one video; those of crowds are ignored. The frame's number is `frame_id`, else the last number
-/// in `file_name`; where a `frame_id` is 0, all become one more. Fails with the annotation that cannot be.
+impl Image {
+    /// The last number in the name of its file.
+    fn named(&self) -> Option<u32> {
+        last_number(self.file_name.as_deref()?.rsplit_once('.')?.0)
+    }
+}
+
+/// Whether `frame_id` counts from 0: where one is 0, or where the numbers in the names of the files, else the `id`s, are one
+/// more than all.
+fn counts_from_zero(images: &[Image]) -> bool {
+    let frames = || images.iter().filter_map(|image| image.frame_id);
+    // What is added to all to get the other number.
+    let addition = |other: &dyn Fn(&Image) -> Option<u64>| {
+        let additions = images.iter().map(|image| other(image)?.checked_sub(image.frame_id?.into()));
+        let additions: Option<BTreeSet<u64>> = additions.collect();
+        additions.filter(|additions| additions.len() == 1)?.pop_first().filter(|addition| *addition <= 1)
+    };
+    let named = addition(&|image| image.named().map(u64::from));
+    frames().any(|number| number == 0) || named.or_else(|| addition(&|image| Some(image.id))) == Some(1)
+}
+
+/// Reads the annotations of one video; those of crowds are ignored. The frame's number is `frame_id`, one more where it
+/// [counts from 0](counts_from_zero), else the last number in `file_name`. Fails with the annotation that cannot be.
 pub(super) fn read(text: &str) -> Result<TrackFile, String> {
     let Coco { images, annotations } = serde_json::from_str(text).map_err(|error| {
         format!("it is no COCO JSON with images, and annotations with image_id, track_id and bbox ({error})")
@@ -43,13 +65,12 @@ pub(super) fn read(text: &str) -> Result<TrackFile, String> {
     if videos.len() > 1 {
         return Err(format!("it has {} videos; leave the images and annotations of one", videos.len()));
     }
-    let from_zero = images.iter().any(|image| image.frame_id == Some(0));
+    let from_zero = counts_from_zero(&images);
     let mut numbers: BTreeMap<u64, u32> = BTreeMap::new();
     for image in &images {
-        let named = || last_number(image.file_name.as_deref()?.rsplit_once('.')?.0);
         let number = match image.frame_id {
             Some(number) => number.checked_add(from_zero.into()),
-            None => named(),
+            None => image.named(),
         };
         let number = number
             .ok_or_else(|| format!("image {} has no frame_id, and no number in its file_name", image.id))?;
@@ -70,10 +91,10 @@ pub(super) fn read(text: &str) -> Result<TrackFile, String> {
         file.insert(frame, identity, place).map_err(fail)?;
     }
     if from_zero {
-        file.remarks.push("frame 0 is read as 1".to_owned());
+        file.remarks.push("frame_id counts from 0 and is read as one more".to_owned());
     }
     if ignored > 0 {
-        file.remarks.push(format!("{ignored} boxes of crowds are ignored"));
+        file.remarks.push(counted(ignored, "box of a crowd is ignored", "boxes of crowds are ignored"));
     }
     Ok(file)
 }
@@ -99,6 +120,26 @@ mod tests {
             .replace("\"frame_id\":0", "\"file_name\":\"v2/img_0012.jpg\"")
             .replace("\"frame_id\":1", "\"file_name\":\"v2/img_0013.jpg\"");
         assert_eq!(read(&named).unwrap().boxes.keys().copied().collect::<Vec<_>>(), [12, 13]);
+        // A part of a video has no frame 0; the names of its images, or their ids, show where its numbers start.
+        for (first, second, expected) in [
+            (
+                r#""frame_id":11,"file_name":"000012.png""#,
+                r#""frame_id":12,"file_name":"000013.png""#,
+                [12, 13],
+            ),
+            (
+                r#""frame_id":12,"file_name":"000012.png""#,
+                r#""frame_id":13,"file_name":"000013.png""#,
+                [12, 13],
+            ),
+            (r#""frame_id":6,"file_name":"12.png""#, r#""frame_id":7,"file_name":"14.png""#, [7, 8]),
+            (r#""frame_id":6"#, r#""frame_id":7"#, [7, 8]),
+            (r#""frame_id":6,"file_name":"6.png""#, r#""frame_id":7,"file_name":"7.png""#, [6, 7]),
+            (r#""frame_id":5"#, r#""frame_id":6"#, [5, 6]),
+        ] {
+            let part = text.replace("\"frame_id\":1", second).replace("\"frame_id\":0", first);
+            assert_eq!(read(&part).unwrap().boxes.keys().copied().collect::<Vec<_>>(), expected, "{first}");
+        }
         for (from, to, part) in [
             ("\"track_id\":3,", "", "annotation 1"),
             ("3.5", "-3.5", "annotation 1"),

@@ -3,6 +3,7 @@
 use roxmltree::{Document, Node};
 
 use super::{IMPOSSIBLE_BOX, IMPOSSIBLE_NUMBER, TrackFile, at, bounds, number, whole};
+use crate::truth::counted;
 
 /// Reads the tracks. Frame 0 becomes 1. A polygon counts as its bounding box; other shapes are left out.
 pub(super) fn read(document: &Document<'_>) -> Result<TrackFile, String> {
@@ -33,7 +34,11 @@ pub(super) fn read(document: &Document<'_>) -> Result<TrackFile, String> {
     }
     file.remarks.push("frame 0 is read as 1".to_owned());
     if left_out > 0 {
-        file.remarks.push(format!("{left_out} shapes other than boxes and polygons are left out"));
+        file.remarks.push(counted(
+            left_out,
+            "shape other than boxes and polygons is left out",
+            "shapes other than boxes and polygons are left out",
+        ));
     }
     Ok(file)
 }

@@ -1,19 +1,24 @@
-//! Readers of files of tracks: MOTChallenge's text, CVAT's and CAVIAR's XML, COCO's JSON, and label images.
+//! Readers of files of tracks: MOTChallenge's text, CVAT's and CAVIAR's XML, COCO's JSON, the archives that CVAT exports, and
+//! label images.
 
+mod archive;
 mod caviar;
 mod coco;
 mod cvat;
 pub mod label_images;
 mod mot_text;
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::fmt::Display;
 use std::fs;
+use std::iter;
 use std::path::Path;
 
 use roxmltree::{Document, Node, ParsingOptions};
 
+use self::archive::ArchivedTracks;
 use super::TruthError;
 use super::boxes::{Bounds, Boxes};
 use super::ignored::Ignored;
@@ -62,6 +67,14 @@ impl TrackFile {
         self.ignored.entry(frame).or_default().push(bounds);
     }
 
+    /// The error that it, read from `path`, has no box that is judged.
+    pub(super) fn without_box(&self, path: &Path) -> TruthError {
+        let why =
+            "no box of it is judged, so that no measure of tracks is defined; give ground truth with boxes";
+        let clauses = iter::once(why).chain(self.remarks.iter().map(String::as_str));
+        TruthError::new(path, clauses.collect::<Vec<_>>().join("; "))
+    }
+
     /// Number of judged boxes.
     pub fn count(&self) -> usize {
         self.boxes.values().map(BTreeMap::len).sum()
@@ -71,22 +84,49 @@ impl TrackFile {
 /// Reads a file of tracks, or a folder of label images. Fails with the line of what cannot be.
 pub fn read(path: &Path, role: Role) -> Result<TrackFile, TruthError> {
     if path.is_dir() {
-        return label_images::read(path);
+        return label_images::read(path, role);
     }
     let bytes = fs::read(path).map_err(|error| TruthError::unreadable(path, error))?;
-    let text = text_of(&bytes).map_err(|why| TruthError::new(path, why))?;
-    match text.trim_start().chars().next() {
-        Some('<') => read_xml(&text),
-        Some('{' | '[') => coco::read(&text),
-        _ => mot_text::read(&text, role, path.with_file_name("labels.txt").is_file()),
+    let content = || {
+        if let Some(why) = other_file(path, role) {
+            return Err(why.to_owned());
+        }
+        let (bytes, has_labels) = if archive::is_archive(&bytes) {
+            let ArchivedTracks { bytes, has_labels } = archive::tracks(&bytes)?;
+            (Cow::Owned(bytes), has_labels)
+        } else {
+            (Cow::Borrowed(&bytes[..]), path.with_file_name("labels.txt").is_file())
+        };
+        let text = text_of(&bytes)?;
+        match text.trim_start().chars().next() {
+            Some('<') => read_xml(&text),
+            Some('{' | '[') => coco::read(&text),
+            _ => mot_text::read(&text, role, has_labels),
+        }
+    };
+    content().map_err(|why| TruthError::new(path, why))
+}
+
+/// What to give instead of a file whose name is that of one beside tracks.
+fn other_file(path: &Path, role: Role) -> Option<&'static str> {
+    match (path.file_name()?.to_str()?, role) {
+        ("seqinfo.ini", Role::Truth) => {
+            Some("it describes a MOTChallenge sequence; give the folder of the sequence, or gt/gt.txt in it")
+        }
+        ("seqinfo.ini", Role::Results) => Some("it describes a MOTChallenge sequence; give a file of tracks"),
+        ("tracks.json" | "summary.json", _) => {
+            Some("it is of the output of `run`; give tracks.csv beside it, or the folder as results")
+        }
+        _ => None,
     }
-    .map_err(|why| TruthError::new(path, why))
 }
 
 /// The text of a file in UTF-8 or a code page that has ASCII.
 fn text_of(bytes: &[u8]) -> Result<String, &'static str> {
-    if bytes.starts_with(b"PK\x03\x04") {
-        return Err("it is a zip archive; unpack it and give gt/gt.txt or the XML file in it");
+    if matches!(bytes, [0xFF, 0xFE, 0, 0, ..] | [0, 0, 0xFE, 0xFF, ..])
+        || matches!(bytes, [0, 0, 0, other, ..] | [other, 0, 0, 0, ..] if *other != 0)
+    {
+        return Err("it is UTF-32 text; save it as UTF-8");
     }
     if bytes.starts_with(&[0xFF, 0xFE])
         || bytes.starts_with(&[0xFE, 0xFF])

@@ -5,6 +5,7 @@
 
 use super::{IMPOSSIBLE_BOX, IMPOSSIBLE_NUMBER, Role, TrackFile, bounds, whole};
 use crate::truth::boxes::Bounds;
+use crate::truth::counted;
 
 /// MOTChallenge's class of pedestrians, who are judged.
 const PEDESTRIAN: f64 = 1.0;
@@ -89,10 +90,18 @@ pub(super) fn read(text: &str, role: Role, has_labels: bool) -> Result<TrackFile
         }
     }
     if ignored > 0 {
-        file.remarks.push(format!("{ignored} boxes of confidence 0 or a distractor's class are ignored"));
+        file.remarks.push(counted(
+            ignored,
+            "box of confidence 0 or a distractor's class is ignored",
+            "boxes of confidence 0 or a distractor's class are ignored",
+        ));
     }
     if left_out > 0 {
-        file.remarks.push(format!("{left_out} boxes of classes other than pedestrian (1) are left out"));
+        file.remarks.push(counted(
+            left_out,
+            "box of a class other than pedestrian (1) is left out",
+            "boxes of classes other than pedestrian (1) are left out",
+        ));
     }
     Ok(file)
 }

@@ -146,7 +146,7 @@ pub(super) const ENTRIES: &[ActionEntry] = &[
         m::ICON_COMPARE,
         "Load external results folder…",
         &[],
-        "Compare with a folder of masks or of 16-bit label images, or with the output folder of another run",
+        "Compare with a folder of masks or of label images, or with the output folder of another run",
     )
     .within("External results"),
     entry(
