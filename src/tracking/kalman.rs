@@ -250,6 +250,8 @@ fn normal_distribution(z: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::indexing_slicing)]
+    use proptest::prelude::*;
+
     use super::*;
 
     const NOISE: Noise = Noise { process: 1.0, measurement: 2.0 };
@@ -267,7 +269,7 @@ mod tests {
             KalmanModel::through(Vector3::new(10.0, 5.0, 8.0), Vector3::new(13.0, 4.0, 8.0), 1.0, NOISE);
         model.predict(1.0);
         assert_eq!(model.measurement(), Vector3::new(16.0, 3.0, 8.0));
-        assert_eq!(model.distance_squared(&Vector3::new(16.0, 3.0, 8.0)), 0.0);
+        assert_eq!(model.expected_measurement(0.0).distance_squared(&Vector3::new(16.0, 3.0, 8.0)), 0.0);
     }
 
     #[test]
@@ -355,5 +357,24 @@ mod tests {
             model.predict(1.0);
         }
         assert!((model.centre()[0] - 2.5 * 50.0).abs() < 3.0, "{:?}", model.centre());
+    }
+
+    proptest! {
+        #[test]
+        fn no_measurement_within_the_gate_is_out_of_reach(
+            path in prop::array::uniform2(prop::array::uniform3(1.0_f32..60.0)),
+            offset in prop::array::uniform3(-15.0_f32..15.0),
+            periods in 1_u8..4,
+        ) {
+            let [first, second] = path.map(Vector3::from);
+            let mut model = KalmanModel::through(first, second, 1.0, NOISE);
+            model.predict(f32::from(periods));
+            let (expected, gate) = (model.expected_measurement(0.0), chi_squared_3(0.99));
+            let measured = model.measurement() + Vector3::from(offset);
+            let is_within = expected.distance_squared(&measured) <= gate;
+            prop_assert!(!is_within || expected.may_reach(&measured, gate));
+            let far = measured.map(|value| value + 1000.0);
+            prop_assert!(!expected.may_reach(&far, gate));
+        }
     }
 }
