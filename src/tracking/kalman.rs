@@ -369,10 +369,11 @@ mod tests {
     /// A small object, whose noise is that of the settings, and one three times as large as from which the noise grows.
     #[test]
     fn every_coordinate_is_filtered_as_one_alone() {
+        let noise = Noise { process: 1.5, measurement: 2.0 };
         for (size, times) in [(20.0, 1.0), (240.0, 3.0)] {
-            let (q, r) = (times * NOISE.process, times * NOISE.measurement);
+            let (q, r) = (times * noise.process, times * noise.measurement);
             let at = |x: f32, y: f32| Vector3::new(x, y, size);
-            let mut model = KalmanModel::through(at(70.0, 60.0), at(100.0, 50.0), 2.0, NOISE);
+            let mut model = KalmanModel::through(at(70.0, 60.0), at(100.0, 50.0), 2.0, noise);
             // Two measurements, two periods apart.
             let vv = 2.0 * r * r / 4.0;
             let mut x = Coordinate { position: 100.0, velocity: 15.0, pp: r * r, pv: 0.0, vv };

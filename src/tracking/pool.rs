@@ -512,12 +512,12 @@ mod tests {
     fn scores_are_relative_to_the_shown_hypothesis_and_probabilities_to_all() {
         let mut blob = blob(100.0, 50.0, 0.0);
         blob.show(
-            vec![hypothesis(-2.0, None), hypothesis(-3.0, Some(1)), hypothesis(-7.0, Some(0))],
+            vec![hypothesis(-2.5, None), hypothesis(-3.0, Some(1)), hypothesis(-7.0, Some(0))],
             Some(1),
         );
-        assert_eq!(scores(&blob), [0.0, 1.0, -4.0]);
-        let total = 1.0 + 1.0_f32.exp() + (-4.0_f32).exp();
-        for (summary, score) in blob.summaries(12.0).iter().zip([0.0_f32, 1.0, -4.0]) {
+        assert_eq!(scores(&blob), [0.0, 0.5, -4.0]);
+        let total = 1.0 + 0.5_f32.exp() + (-4.0_f32).exp();
+        for (summary, score) in blob.summaries(12.0).iter().zip([0.0_f32, 0.5, -4.0]) {
             assert!((summary.probability - score.exp() / total).abs() < 1e-6, "{}", summary.probability);
         }
     }
