@@ -130,7 +130,9 @@ fn add_to_group(
 mod tests {
     #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
     use super::*;
-    use crate::occlusion::fixtures::{BLUE, RED, context, person, shared_detection, start_confirmed};
+    use crate::occlusion::fixtures::{
+        BLUE, RED, context, person, shared_detection, start_confirmed, start_group,
+    };
     use crate::occlusion::state::context::FrameRef;
     use crate::regions::{Rect, Rgb};
 
@@ -196,5 +198,23 @@ mod tests {
             let seen = [(person(100.0, 80.0), RED), (Rect::new(120.0, 80.0, 2.0, 60.0), BLUE)];
             table.blob_mut(0).unwrap().detection = Some(shared_detection(&seen));
         }));
+    }
+
+    /// An unseen member of one group in the region of another person that it is beside.
+    #[test]
+    fn a_member_that_was_not_visible_for_two_frames_is_found_in_another_region() {
+        for (unseen_frames, found) in [(1, false), (2, true)] {
+            let (mut table, mut decisions) = (ObjectTable::default(), Decisions::default());
+            let [red, blue] = start_group(&context(1), &mut table, person(100.0, 80.0), person(124.0, 80.0));
+            let other = start_confirmed(&context(1), &mut table, person(144.0, 80.0), RED, [0.0; 2]);
+            table.blob_mut(0).unwrap().detection = Some(shared_detection(&[(person(100.0, 80.0), RED)]));
+            let seen = [(person(124.0, 80.0), BLUE), (person(144.0, 80.0), RED)];
+            table.blob_mut(1).unwrap().detection = Some(shared_detection(&seen));
+            table.get_mut(blue).unwrap().unseen_frames = unseen_frames;
+            reidentify_unseen_members(&context(6), &mut table, &mut decisions);
+            let joined = if found { other } else { red };
+            assert_eq!(table.blob_of(blue), table.blob_of(joined), "{unseen_frames}");
+            assert!(decisions.reappearances.is_empty(), "it was in a group");
+        }
     }
 }
