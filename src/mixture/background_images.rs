@@ -194,3 +194,46 @@ fn bytes<S: Simd, const N: usize>(means: [f32x16<S>; N]) -> [u8; 3 * LANES] {
     let means: [[f32; LANES]; N] = means.map(|mean| mean.round().to_array());
     std::array::from_fn(|at| means[(at % 3).min(N - 1)][at / 3] as u8)
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::frame::{Frame, Size};
+    use crate::settings::{Preset, Settings};
+
+    /// An image of several jobs, the last one of a part of a tile.
+    #[test]
+    fn images_equal_the_mixture_of_every_pixel() {
+        let size = Size::new(131, 79);
+        assert!(size.pixels() > 2 * LANES * TILES_A_JOB && !size.pixels().is_multiple_of(LANES));
+        for space in [Space::Rgb, Space::Gray] {
+            let settings = Settings { space, alpha: 0.1, ..Settings::preset(Preset::Default) };
+            let parameters = Parameters::new(&settings);
+            let mut mixture = Mixture::new(size, parameters);
+            for number in 1..=14_u32 {
+                // Of each third pixel, two surfaces in turn.
+                let byte = |at: usize| {
+                    let other = (at / 3).is_multiple_of(3) && number.is_multiple_of(2);
+                    (at % 97) as u8 + if other { 130 } else { 0 }
+                };
+                mixture.step(&Frame::new(number, size, (0..3 * size.pixels()).map(byte).collect()));
+            }
+            let images = mixture.background_images();
+            let mut several = 0;
+            for index in 0..size.pixels() {
+                let pixel = mixture.pixel(index as u32 % size.width, index as u32 / size.width).unwrap();
+                let t = parameters.t_of(pixel.past());
+                let rgb = |mean: [f32; 3]| {
+                    [0, 1, 2]
+                        .map(|channel| mean[if space == Space::Gray { 0 } else { channel }].round() as u8)
+                };
+                assert_eq!(images.mean[3 * index..][..3], rgb(pixel.components()[0].mean), "{index}");
+                assert_eq!(images.multi_mode[3 * index..][..3], rgb(pixel.background_mean(t)), "{index}");
+                assert_eq!(usize::from(images.background_count[index]), pixel.background_count(t), "{index}");
+                several += usize::from(images.background_count[index] > 1);
+            }
+            assert!(several > 1000, "{several}");
+        }
+    }
+}

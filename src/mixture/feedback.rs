@@ -122,3 +122,35 @@ impl Feedback {
         t + (self.t.max(t) - t) * self.restlessness(past)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pixel_recurs_that_never_stayed_for_more_than_a_tenth_of_the_learned_frames() {
+        let recurs = |run: f32, unrest: f32| VerdictMemory { run, unrest, strict: false }.recurs(100);
+        assert!(recurs(90.0, 10.0) && recurs(95.0, 0.0));
+        assert!(!recurs(89.0, 5.0), "the last stay");
+        assert!(!recurs(95.0, 11.0), "one before");
+    }
+
+    #[test]
+    fn changes_while_learning_are_kept_by_their_longest_distance() {
+        let mut past = VerdictMemory::default();
+        for (other, t) in [(false, 2), (true, 5), (true, 6), (false, 12), (true, 14)] {
+            past.record_change(other, t);
+        }
+        assert_eq!(past, VerdictMemory { run: 14.0, unrest: 7.0, strict: true });
+    }
+
+    #[test]
+    fn feedback_is_on_where_any_part_of_it_has_an_effect() {
+        let plain = crate::settings::Settings::preset(crate::settings::Preset::Plain);
+        let off = Feedback::new(&plain);
+        assert!(!off.is_on());
+        assert!(Feedback { hold: 0.5, ..off }.is_on());
+        assert!(Feedback { learning: 2.0, ..off }.is_on());
+        assert!(Feedback { t: 0.1, ..off }.is_on());
+    }
+}

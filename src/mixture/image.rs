@@ -628,4 +628,48 @@ mod tests {
             }
         }
     }
+
+    /// Pixels that show another surface for one to five frames of every three to eighteen, among them lamps that recur
+    /// and places that stay for too long.
+    #[test]
+    fn the_start_after_recurring_changes_equals_the_reference() {
+        const LEARNT: u32 = 100;
+        let size = Size::new(80, 1);
+        let frames: Vec<_> = (1..=LEARNT + 30)
+            .map(|number| {
+                let level = |x: u32| {
+                    let (period, stay) = (3 + x % 16, 1 + x / 16);
+                    let noise = (number * 7 + x * 3) % 5;
+                    (if (number + x) % period < stay { 180 } else { 90 } + noise) as u8
+                };
+                Frame::new(number, size, (0..size.width).flat_map(|x| [level(x); 3]).collect())
+            })
+            .collect();
+        let (learnt, rest) = frames.split_at(LEARNT as usize);
+        let settings = Settings { k: 3, alpha: 0.02, ..Settings::preset(Preset::Default) };
+        let mut mixture = Mixture::new(size, Parameters::new(&settings));
+        mixture.learn(&learnt.iter().collect::<Vec<_>>());
+        let parameters = *mixture.parameters();
+        assert_eq!(parameters.learnt, LEARNT);
+        let mut pixels = vec![Pixel::unseen(parameters.k); size.pixels()];
+        let value = |frame: &Frame, index: usize| {
+            parameters.value([frame.rgb[3 * index], frame.rgb[3 * index + 1], frame.rgb[3 * index + 2]])
+        };
+        for (t, frame) in (1..).zip(learnt) {
+            for (index, pixel) in pixels.iter_mut().enumerate() {
+                pixel.step(value(frame, index), t, &parameters);
+            }
+        }
+        for (t, frame) in (LEARNT + 1..).zip(rest) {
+            mixture.step(frame);
+            for (index, pixel) in pixels.iter_mut().enumerate() {
+                pixel.step(value(frame, index), t, &parameters);
+                assert_eq!(mixture.pixel_at(index), *pixel, "pixel {index} in frame {t}");
+            }
+            if t == LEARNT + 1 {
+                let restless = pixels.iter().filter(|pixel| pixel.past().unrest > 0.0).count();
+                assert!((10..70).contains(&restless), "{restless} of 80 recur");
+            }
+        }
+    }
 }

@@ -84,3 +84,50 @@ impl OpencvModel {
 fn rgb_mat(frame: &Frame) -> opencv::Result<BoxedRef<'_, Mat>> {
     Mat::new_rows_cols_with_bytes::<Vec3b>(frame.size.height as i32, frame.size.width as i32, &frame.rgb)
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    const SIZE: Size = Size::new(8, 6);
+
+    fn grey(number: u32, level: u8) -> Frame {
+        Frame::new(number, SIZE, vec![level; 3 * SIZE.pixels()])
+    }
+
+    fn model(background_model: BackgroundModel) -> Option<OpencvModel> {
+        let settings = Settings { background_model, alpha: 0.01, ..Settings::default() };
+        OpencvModel::new(&settings, SIZE).unwrap()
+    }
+
+    #[test]
+    fn frames_that_are_learned_from_count_alike() {
+        assert!(model(BackgroundModel::Mixture).is_none());
+        let mut mog2 = model(BackgroundModel::Mog2).unwrap();
+        for number in 1..=20 {
+            mog2.learn(&grey(number, if number % 2 == 0 { 104 } else { 96 })).unwrap();
+        }
+        let background = mog2.background_image().unwrap();
+        assert_eq!(background.len(), 3 * SIZE.pixels());
+        assert!(background.iter().all(|level| level.abs_diff(100) <= 1), "{background:?}");
+        // After it the learning rate is α: a hundredth of the difference.
+        mog2.step(&grey(21, 108)).unwrap();
+        assert!(mog2.background_image().unwrap().iter().all(|level| level.abs_diff(100) <= 1));
+    }
+
+    #[test]
+    fn both_models_show_what_differs_from_what_they_learned() {
+        for kind in [BackgroundModel::Mog2, BackgroundModel::Knn] {
+            let mut model = model(kind).unwrap();
+            (1..=30).for_each(|number| model.learn(&grey(number, 100)).unwrap());
+            let mut frame = grey(31, 100);
+            frame.rgb[3 * 10..3 * 13].fill(220);
+            let mask = model.step(&frame).unwrap();
+            let found: Vec<usize> =
+                (0..SIZE.pixels()).filter(|&at| mask.data[at] == Mask::FOREGROUND).collect();
+            assert_eq!(found, [10, 11, 12], "{kind:?}");
+            assert!(model.background_image().unwrap().iter().all(|level| level.abs_diff(100) <= 1));
+        }
+    }
+}

@@ -488,3 +488,58 @@ impl Pixel {
         index
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::Preset;
+
+    fn component(weight: f32, level: f32, sigma: f32) -> Component {
+        Component { weight, mean: [level; 3], variance: sigma * sigma }
+    }
+
+    #[test]
+    fn the_background_accounts_for_more_than_t() {
+        let pixel = Pixel::from_components(&[
+            component(0.5, 10.0, 4.0),
+            component(0.25, 50.0, 4.0),
+            component(0.25, 90.0, 4.0),
+            Component::default(),
+        ]);
+        let counts = [0.25, 0.5, 0.7, 0.75, 1.0].map(|t| pixel.background_count(t));
+        assert_eq!(counts, [1, 2, 2, 3, 3]);
+    }
+
+    #[test]
+    fn a_component_of_equal_rank_stays_below() {
+        let mut pixel = Pixel::from_components(&[component(0.5, 10.0, 4.0), component(0.5, 90.0, 4.0)]);
+        assert_eq!(pixel.sort_upwards(1), 1);
+        pixel.components[1].weight = 0.625;
+        assert_eq!(pixel.sort_upwards(1), 0);
+        assert_eq!((pixel.components[0].mean[0], pixel.components[1].mean[0]), (90.0, 10.0));
+    }
+
+    #[test]
+    fn reach_and_rank_follow_from_the_standard_deviation() {
+        let component = component(0.5, 10.0, 4.0);
+        assert_eq!((component.sigma(), component.reach(2.5), component.rank_value()), (4.0, 10.0, 0.125));
+        assert_eq!(Component::default().rank_value(), 0.0);
+    }
+
+    #[test]
+    fn the_number_of_learned_frames_is_no_setting() {
+        let settings = Settings::preset(Preset::Plain);
+        let parameters = Parameters { learnt: 12, ..Parameters::new(&settings) };
+        assert!(parameters.equal_settings(&settings));
+        assert!(!parameters.equal_settings(&Settings { k: settings.k + 1, ..settings.clone() }));
+    }
+
+    #[test]
+    fn a_frame_that_does_not_show_the_pixel_is_background() {
+        let settings = Settings::preset(Preset::Plain);
+        let parameters = Parameters { t: 0.6, ..Parameters::new(&settings) };
+        let pixel = Pixel::from_components(&[component(0.5, 10.0, 4.0), component(0.5, 90.0, 4.0)]);
+        let expected = Outcome { matched: 1, rank: 1, background_count: 2, ..Outcome::default() };
+        assert_eq!(pixel.skip(&parameters), expected);
+    }
+}

@@ -307,4 +307,19 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn the_mark_of_a_candidate_is_its_share_of_the_brightness() {
+        let shadow = Shadow { floor: 0.4, ceiling: 1.5, colour: 10.0, window: 5, spread: 0.07 };
+        let mean = [100.0, 80.0, 60.0];
+        let marks = |shadow: Shadow| {
+            [0.3_f32, 0.5, 0.75, 1.25, 1.6].map(|share| shadow.mark(&mean.map(|level| share * level), &mean))
+        };
+        assert_eq!(marks(shadow), [Mask::FOREGROUND, 31, 46, 76, Mask::FOREGROUND]);
+        let removed = Mask::BACKGROUND;
+        assert_eq!(
+            marks(Shadow { window: 0, ..shadow }),
+            [Mask::FOREGROUND, removed, removed, removed, Mask::FOREGROUND]
+        );
+    }
 }

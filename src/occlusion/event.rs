@@ -289,3 +289,55 @@ impl Counters {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_comparison_holds_on_its_side_of_the_threshold() {
+        let held = |at: fn(&'static str, f32, f32) -> Comparison| {
+            [1.0, 2.0, 3.0].map(|value| at("distance", value, 2.0).holds)
+        };
+        assert_eq!(held(Comparison::at_most), [true, true, false]);
+        assert_eq!(held(Comparison::at_least), [false, true, true]);
+        assert!(Comparison::note("distance", 5.0).holds);
+    }
+
+    #[test]
+    fn evidence_lists_its_numbers_in_order() {
+        let mut evidence = Evidence::of_branch("some");
+        evidence.note("a", 1.0);
+        evidence.at_most("b", 2.0, 1.0);
+        evidence.at_least("c", 3.0, 1.0);
+        let expected = [
+            Comparison::note("a", 1.0),
+            Comparison::at_most("b", 2.0, 1.0),
+            Comparison::at_least("c", 3.0, 1.0),
+        ];
+        assert_eq!(evidence.comparisons, expected);
+    }
+
+    #[test]
+    fn events_are_counted_by_kind() {
+        let mut counters = Counters::default();
+        for kind in [EventKind::Merge, EventKind::Exit, EventKind::Merge] {
+            counters.count(kind);
+        }
+        assert_eq!(counters, Counters { merge: 2, exit: 1, ..Counters::default() });
+        assert_eq!((counters.of(EventKind::Merge), counters.of(EventKind::Appear)), (2, 0));
+    }
+
+    #[test]
+    fn an_event_is_the_same_whatever_is_learnt_of_it_later() {
+        let event = Event::of_one(7, EventKind::Exit, 3, [10.0, 20.0], Evidence::of_branch("some"));
+        assert!(event.is_same(&Event { front: Some(3), x: 11.0, ..event.clone() }));
+        let others = [
+            Event { frame: 8, ..event.clone() },
+            Event { kind: EventKind::Disappear, ..event.clone() },
+            Event { objects: vec![4], ..event.clone() },
+            Event { becomes: vec![4], ..event.clone() },
+        ];
+        assert!(others.iter().all(|other| !event.is_same(other)));
+    }
+}

@@ -197,4 +197,33 @@ mod tests {
         decisions.remember_occluder(Rect::new(80.0, 118.0, 60.0, 40.0));
         assert_eq!(bbox(&decisions), Some(person(100.0, 80.0)));
     }
+
+    #[test]
+    fn a_box_is_extended_where_the_occluder_hides_more_of_it_and_the_whole_is_not_too_large() {
+        let context = context(2);
+        let extended = |seen: Rect, partial_frames: u32, occluder: Rect| {
+            let (mut table, mut decisions) = (ObjectTable::default(), Decisions::default());
+            let id = start_confirmed(&context, &mut table, person(100.0, 80.0), RED, [0.0; 2]);
+            decisions.remember_occluder(occluder);
+            let mut object = table.get(id).cloned().unwrap();
+            object.partial_frames = partial_frames;
+            extended_box(&context, &decisions, &object, &seen)
+        };
+        let (seen, below) = (Rect::new(100.0, 80.0, 20.0, 40.0), Rect::new(80.0, 118.0, 60.0, 40.0));
+        let whole = person(100.0, 80.0);
+        assert_eq!(extended(seen, 1, below), whole);
+        assert_eq!(extended(seen, 0, below), seen, "it is not partly visible");
+        assert_eq!(extended(seen, 1, Rect::new(200.0, 118.0, 60.0, 40.0)), seen, "the occluder is elsewhere");
+        assert_eq!(extended(seen, 1, Rect::new(80.0, 70.0, 60.0, 50.0)), seen, "it hides nothing more");
+        // The union with the predicted box may be so many times as large in both directions.
+        let (w, h) = (20.0 * MAX_EXTENSION, 60.0 * MAX_EXTENSION);
+        let wide = |x: f32| Rect::new(100.0, 80.0, x, 40.0);
+        assert_eq!(extended(wide(w), 1, below), wide(w).union(&whole));
+        assert_eq!(extended(wide(w + 1.0), 1, below), wide(w + 1.0));
+        let high = |y: f32| Rect::new(100.0, 140.0 - y, 20.0, y - 20.0);
+        assert_eq!(extended(high(h), 1, below), high(h).union(&whole));
+        assert_eq!(extended(high(h + 1.0), 1, below), high(h + 1.0));
+        let edge = Rect::new(100.0, 0.5, 20.0, 100.0);
+        assert_eq!(extended(edge, 1, below), edge, "the image edge cuts it off");
+    }
 }

@@ -217,6 +217,21 @@ pub(super) mod tests {
     }
 
     #[test]
+    fn discs_are_centred() {
+        let mut block = Mask::empty(Size::new(20, 16));
+        for (x, y) in (6..15_usize).flat_map(|x| (4..12_usize).map(move |y| (x, y))) {
+            block.data[y * 20 + x] = Mask::FOREGROUND;
+        }
+        let mut corners = block.clone();
+        for (x, y) in [6, 7, 13, 14].into_iter().flat_map(|x| [(x, 4), (x, 11)]) {
+            corners.data[y * 20 + x] = Mask::BACKGROUND;
+        }
+        let opened = Cleaning { opening: 5, ..OFF }.apply(block.clone()).unwrap();
+        assert!(opened == corners, "the top of the disc is one pixel wide, its sides are three");
+        assert!(Cleaning { closing: 5, ..OFF }.apply(block.clone()).unwrap() == block);
+    }
+
+    #[test]
     fn opening_removes_thin_parts_and_closing_joins_thin_gaps() {
         let before = mask(&["..........", ".###.###..", ".###.#####", ".###.###..", ".........."]);
         let closed = Cleaning { closing: 3, ..OFF }.apply(before.clone()).unwrap();
@@ -238,6 +253,39 @@ pub(super) mod tests {
             median_blur(&mat(&mask).unwrap(), &mut theirs, 2 * half as i32 + 1).unwrap();
             let ours = Cleaning { median: 2 * half + 1, ..OFF }.apply(mask).unwrap();
             prop_assert_eq!(&ours.data[..], theirs.data_bytes().unwrap());
+        }
+
+        /// A background pixel is filled where the background that is reached from it by steps to the side, up and
+        /// down has at most so many pixels and does not reach the image edge.
+        #[test]
+        fn holes_equal_those_of_a_flood_fill(
+            (width, height) in (1_usize..24, 1_usize..20),
+            density in 20_u32..90,
+            largest in 1_u32..9,
+            seed in any::<u32>(),
+        ) {
+            let mask = noise(Size::new(width as u32, height as u32), density, seed);
+            let filled = Cleaning { fill_holes: largest, ..OFF }.apply(mask.clone()).unwrap();
+            for start in 0..width * height {
+                let (mut reached, mut next) = (vec![start], 0);
+                while mask.data[start] == Mask::BACKGROUND && next < reached.len() {
+                    let (x, y) = (reached[next] % width, reached[next] / width);
+                    let steps = [(x.wrapping_sub(1), y), (x + 1, y), (x, y.wrapping_sub(1)), (x, y + 1)];
+                    for (x, y) in steps.into_iter().filter(|&(x, y)| x < width && y < height) {
+                        let at = y * width + x;
+                        if mask.data[at] == Mask::BACKGROUND && !reached.contains(&at) {
+                            reached.push(at);
+                        }
+                    }
+                    next += 1;
+                }
+                let inside = |at: &usize| {
+                    (1..width - 1).contains(&(at % width)) && (1..height - 1).contains(&(at / width))
+                };
+                let hole = reached.len() <= largest as usize && reached.iter().all(inside);
+                let foreground = mask.data[start] == Mask::FOREGROUND || hole;
+                prop_assert_eq!(filled.data[start] == Mask::FOREGROUND, foreground);
+            }
         }
     }
 }

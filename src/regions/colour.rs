@@ -261,4 +261,53 @@ pub(crate) mod tests {
         let across_the_edge = likeness(&red, &histogram(&[([207, 0, 0], 5), ([208, 0, 0], 5)]));
         assert!(across_the_edge > 0.7, "{across_the_edge}");
     }
+
+    #[test]
+    fn a_scaled_histogram_adds_its_share_of_pixels_and_colours() {
+        let mut colours = histogram(&[([200, 10, 20], 4)]);
+        colours.add_scaled(&histogram(&[([202, 12, 24], 8), ([0, 0, 100], 2)]), 0.25);
+        let bins: Vec<(u16, Bin)> = colours.bins().map(|(index, bin)| (index, *bin)).collect();
+        let blue = Bin { count: 0.5, sum: [0.0, 0.0, 50.0] };
+        let red = Bin { count: 6.0, sum: [1204.0, 64.0, 128.0] };
+        assert_eq!(bins, [(6, blue), (12 << 8 | 1, red)]);
+        assert_eq!(colours.total(), 6.5);
+    }
+
+    #[test]
+    fn rare_colours_are_forgotten() {
+        let mut colours = histogram(&[([0, 0, 0], 75), ([100, 0, 0], 20), ([0, 100, 0], 5)]);
+        let all = colours.clone();
+        colours.forget_below(0.05);
+        assert_eq!(colours, all);
+        colours.forget_below(0.06);
+        assert_eq!(colours, histogram(&[([0, 0, 0], 75), ([100, 0, 0], 20)]));
+    }
+
+    #[test]
+    fn a_histogram_holds_the_pixels_of_an_object_as_far_as_it_has_their_colours() {
+        let group = histogram(&[([0, 0, 0], 60), ([100, 0, 0], 10), ([0, 0, 200], 500)]);
+        // Of 100 pixels 50 are black, 30 red and 20 green; of the red ones there are 10.
+        let object = histogram(&[([0, 0, 0], 5), ([100, 0, 0], 3), ([0, 100, 0], 2)]);
+        assert_eq!(group.holds(&object, 100.0), 0.6);
+        assert_eq!(group.holds(&object, 20.0), 0.8);
+        assert_eq!(group.holds(&object, 400.0), 70.0 / 400.0);
+        assert_eq!(group.holds(&Histogram::default(), 100.0), 0.0);
+    }
+
+    /// A histogram counts a colour in eight grids of cells two levels wide, offset by a level per channel: colours a
+    /// level apart in a channel share half of them.
+    #[test]
+    fn likeness_halves_with_each_channel_a_level_apart() {
+        let colour = |levels: [u8; 3]| histogram(&[(levels.map(|level| 16 * level), 7)]);
+        for one in [[7, 8, 3], [0, 15, 4], [2, 1, 9]] {
+            let histogram = colour(one);
+            for index in 0..1 << 12 {
+                let other = [(index >> 8) as u8, (index >> 4 & 15) as u8, (index & 15) as u8];
+                let share =
+                    |(a, b): (u8, u8)| [1.0, 0.5].get(usize::from(a.abs_diff(b))).copied().unwrap_or(0.0);
+                let expected: f32 = one.into_iter().zip(other).map(share).product();
+                assert_eq!(histogram.likeness(&colour(other)), expected, "{one:?} {other:?}");
+            }
+        }
+    }
 }

@@ -180,6 +180,70 @@ mod tests {
     use super::*;
     use crate::frame::{Frame, Mask};
 
+    #[test]
+    fn the_shorter_side_has_about_144_cells() {
+        let sides = [(0, 2), (288, 2), (359, 2), (360, 3), (480, 3), (720, 5), (1080, 8), (2160, 15)];
+        for (shorter, side) in sides {
+            assert_eq!(cell_side(Size::new(2 * shorter, shorter)), side, "{shorter}");
+            assert_eq!(cell_side(Size::new(shorter, shorter + 1)), side, "{shorter}");
+        }
+    }
+
+    fn cell(pixels: u32, grey: u8) -> Cell {
+        Cell { pixels, colour: [grey; 3] }
+    }
+
+    #[test]
+    fn a_shared_cell_has_the_colour_of_most_of_its_pixels() {
+        let mosaic = |left: u32, top: u32, cells: [Cell; 2]| {
+            Arc::new(Mosaic { side: 4, left, top, columns: 2, cells: cells.to_vec() })
+        };
+        let regions = [
+            mosaic(5, 7, [cell(3, 10), cell(4, 20)]),
+            mosaic(6, 7, [cell(4, 30), cell(2, 40)]),
+            mosaic(5, 7, [cell(5, 50), Cell::default()]),
+            mosaic(4, 9, [cell(0, 0), cell(1, 60)]),
+        ];
+        let none = Cell::default();
+        let cells =
+            [[none, cell(8, 50), cell(8, 20), cell(2, 40)], [none; 4], [none, cell(1, 60), none, none]];
+        let joined = Mosaic::join(&regions);
+        assert_eq!(joined, Mosaic { side: 4, left: 4, top: 7, columns: 4, cells: cells.concat() });
+        assert_eq!(joined.rows(), 3);
+        assert_eq!(Mosaic::join(&[]), Mosaic::default());
+    }
+
+    #[test]
+    fn a_part_has_the_cells_of_its_columns() {
+        let cells: Vec<Cell> = (1..=6).map(|pixels| cell(pixels, 9)).collect();
+        let whole = Mosaic { side: 2, left: 10, top: 3, columns: 3, cells };
+        let filled =
+            |mosaic: &Mosaic| mosaic.filled().map(|(x, y, cell)| (x, y, cell.pixels)).collect::<Vec<_>>();
+        assert_eq!(filled(&whole.part(&(11..12))), [(11, 3, 2), (11, 4, 5)]);
+        assert_eq!(filled(&whole.part(&(0..11))), [(10, 3, 1), (10, 4, 4)]);
+        assert_eq!(whole.part(&(11..40)).bbox(), Some(Rect::new(22.0, 6.0, 4.0, 4.0)));
+        assert_eq!(whole.part(&(13..40)).bbox(), None);
+        assert_eq!(whole.at(12, 4), Some(cell(6, 9)));
+        assert_eq!([whole.at(13, 3), whole.at(9, 4), whole.at(12, 5), whole.at(12, 2)], [None; 4]);
+    }
+
+    #[test]
+    fn a_mosaic_has_no_more_cells_than_its_region_spans() {
+        let sums = MosaicSums::new(4, 6..13, 3..9);
+        let mosaic = sums.mosaic();
+        assert_eq!((mosaic.left, mosaic.top, mosaic.columns, mosaic.rows()), (1, 0, 3, 3));
+        let below = MosaicSums::new(4, 6..13, 9..12).mosaic();
+        assert_eq!((below.left, below.top, below.columns, below.rows()), (1, 2, 3, 1));
+    }
+
+    #[test]
+    fn a_cell_counts_with_its_pixels_in_the_histogram() {
+        let mosaic = Mosaic { side: 2, left: 0, top: 0, columns: 2, cells: vec![cell(3, 10), cell(2, 200)] };
+        let bins: Vec<(f32, Rgb)> =
+            mosaic.histogram().bins().map(|(_, bin)| (bin.count, bin.mean())).collect();
+        assert_eq!(bins, [(3.0, [10; 3]), (2.0, [200; 3])]);
+    }
+
     proptest! {
         /// Every cell equals a direct count over its pixels, and parts and joins of regions equal those of their
         /// pixels.

@@ -117,6 +117,9 @@ mod tests {
         }
         let bytes = encode_labels(&labels);
         let (decoded_mask, decoded) = super::decode_labels(&bytes, size);
+        let mut runs = Vec::new();
+        for_each_labelled_run(&bytes, |run| runs.push(run));
+        assert!(runs.into_iter().eq(labels.runs.iter().map(|run| run.pixels())));
         assert!(decoded == labels);
         let expected = pixels.iter().map(|pixel| if pixel.is_some() { 255 } else { 0 });
         assert!(decoded_mask.size == size && decoded_mask.data.iter().copied().eq(expected));

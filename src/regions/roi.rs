@@ -284,6 +284,9 @@ mod tests {
         let other = roi.check(Size::new(4, 3)).unwrap_err().to_string();
         assert!(other.contains("4×2") && other.contains("4×3") && other.contains("mask.png"), "{other}");
         assert_eq!(roi, Roi::new(roi.mask().clone()).unwrap(), "equality ignores the file");
+        assert_ne!(roi, Roi::new(Mask { size: roi.mask().size, data: vec![255; 8] }).unwrap());
+        assert_eq!(roi.share(), 0.5);
+        assert!(roi.contains(2, 0) && !roi.contains(1, 0) && !roi.contains(4, 0));
         let mut mask = Mask { size: Size::new(4, 2), data: vec![255, 0, 255, 0, 255, 255, 0, 255] };
         roi.clear_outside(&mut mask);
         assert_eq!(rows(&mask), ["..#.", ".#.."]);

@@ -266,4 +266,49 @@ mod tests {
         assert_eq!(Rect::new(33.0, 0.0, 20.0, 60.0).distance_outside(&large), 3.0);
         assert_eq!(large.distance_outside(&Rect::new(-4.0, 3.0, 20.0, 20.0)), 4.0);
     }
+
+    #[test]
+    fn edges_gaps_and_distances_of_boxes() {
+        let bbox = Rect::new(10.0, 20.0, 30.0, 50.0);
+        assert_eq!(
+            (bbox.right(), bbox.bottom(), bbox.centre(), bbox.area()),
+            (40.0, 70.0, [25.0, 45.0], 1500.0)
+        );
+        let below = Rect::new(43.0, 76.0, 10.0, 10.0);
+        assert_eq!((bbox.gap(&below), below.gap(&bbox)), ([3.0, 6.0], [3.0, 6.0]));
+        // Wider than the other and lower: to contain it, it moves by 2 across; to lie inside, by 12 down.
+        let narrow = Rect::new(8.0, 10.0, 20.0, 66.0);
+        assert_eq!(bbox.distance_outside(&narrow), 2.0);
+        let low = Rect::new(8.0, 32.0, 20.0, 66.0);
+        assert_eq!(bbox.distance_outside(&low), 2.0_f32.hypot(12.0));
+        // As wide as the other, which lies to the right: by 3.
+        assert_eq!(bbox.distance_outside(&Rect::new(13.0, 15.0, 30.0, 60.0)), 3.0);
+        assert_eq!(bbox.distance_to_edge(Size::new(100, 72)), 2.0);
+        assert_eq!(bbox.distance_to_edge(Size::new(38, 100)), -2.0);
+    }
+
+    /// Pixels (0, 0), (1, 0), (1, 1) and (2, 1): μ20 = 2, μ11 = 1, μ02 = 1, so that λ = (3 ± √5) / 2.
+    #[test]
+    fn orientation_and_eccentricity_of_a_slanted_region_agree_with_sums_by_hand() {
+        let mut sums = ShapeSums::default();
+        sums.add_run(0, 0..2);
+        sums.add_run(1, 1..3);
+        let shape = sums.shape();
+        assert_eq!((shape.mu20, shape.mu11, shape.mu02), (2.0, 1.0, 1.0));
+        let [longer, shorter] = [1.0, -1.0].map(|sign: f32| f32::midpoint(3.0, sign * 5.0_f32.sqrt()));
+        assert!((shape.eccentricity - (1.0 - shorter / longer).sqrt()).abs() < 1e-6, "{shape:?}");
+        assert!((shape.orientation - 0.5 * 2.0_f32.atan()).abs() < 1e-6, "{shape:?}");
+        assert_eq!((shape.extent, shape.centroid), (4.0 / 6.0, [1.0, 0.5]));
+    }
+
+    #[test]
+    fn overlap_of_boxes_and_their_move() {
+        let bbox = Rect::new(10.0, 20.0, 30.0, 50.0);
+        let other = Rect::new(30.0, 50.0, 20.0, 40.0);
+        assert_eq!(bbox.iou(&other), 200.0 / (1500.0 + 800.0 - 200.0));
+        assert_eq!((bbox.iou(&bbox), bbox.iou(&bbox.moved(30.0, 0.0))), (1.0, 0.0));
+        assert_eq!(Rect::default().iou(&Rect::default()), 0.0);
+        assert_eq!((bbox.shared_columns(&other), other.shared_columns(&bbox)), (0.5, 0.5));
+        assert_eq!(bbox.moved(2.0, 3.0), Rect::new(12.0, 23.0, 30.0, 50.0));
+    }
 }

@@ -120,6 +120,7 @@ fn merge_fragment(track: &mut Track, fragment: &Track) {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::indexing_slicing)]
     use super::*;
     use crate::export::tests::track;
     use crate::regions::Rect;
@@ -167,5 +168,44 @@ mod tests {
         let tracks = identity_map.apply(&[merged(1), merged(2), merged(3), departed]);
         let with: Vec<_> = tracks.iter().map(|track| (track.id, track.group.clone())).collect();
         assert_eq!(with, [(1, vec![1, 2]), (2, vec![1, 2]), (3, vec![])]);
+    }
+
+    #[test]
+    fn of_a_visible_and_a_predicted_track_of_one_identity_the_visible_one_is_taken() {
+        let mut identity_map = IdentityMap::default();
+        identity_map.assign_new(1);
+        identity_map.link(2, 1);
+        let at = |key: ObjectId, state: TrackState| Track {
+            key,
+            state,
+            group: vec![],
+            bbox: Rect::new(key as f32, 0.0, 20.0, 30.0),
+            regions: vec![key],
+            ..track(0, 0.0, 0.0)
+        };
+        let [visible, merged, hidden] = [TrackState::Visible, TrackState::Merged, TrackState::Hidden];
+        let cases =
+            [((visible, hidden), 1), ((hidden, visible), 2), ((hidden, hidden), 1), ((merged, visible), 2)];
+        for ((first, second), taken) in cases {
+            let tracks = identity_map.apply(&[at(1, first), at(2, second)]);
+            let [one] = &tracks[..] else { panic!("{tracks:?}") };
+            assert_eq!(
+                (one.id, one.bbox.x, &one.regions[..]),
+                (1, taken as f32, &[taken][..]),
+                "{first:?} {second:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_group_that_one_member_is_left_of_is_none() {
+        let mut identity_map = IdentityMap::default();
+        identity_map.assign_new(1);
+        let merged = Track { key: 1, state: TrackState::Merged, group: vec![1, 2], ..track(0, 0.0, 0.0) };
+        let tracks = identity_map.apply(std::slice::from_ref(&merged));
+        assert_eq!((tracks[0].state, &tracks[0].group[..]), (TrackState::Visible, &[][..]));
+        identity_map.assign_new(2);
+        let both = identity_map.apply(&[merged.clone(), Track { key: 2, ..merged }]);
+        assert!(both.iter().all(|track| track.state == TrackState::Merged && track.group == [1, 2]));
     }
 }

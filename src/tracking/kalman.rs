@@ -377,4 +377,122 @@ mod tests {
             prop_assert!(!expected.may_reach(&far, gate));
         }
     }
+
+    /// One coordinate of the filter: position, velocity and their covariances. The coordinates do not depend on each
+    /// other, and have the same covariances.
+    #[derive(Clone, Copy)]
+    struct Coordinate {
+        position: f32,
+        velocity: f32,
+        pp: f32,
+        pv: f32,
+        vv: f32,
+    }
+
+    impl Coordinate {
+        /// A step of one period with the process noise q of the position, q/2 of the velocity.
+        fn predict(&mut self, q: f32) {
+            self.position += self.velocity;
+            self.pp += 2.0 * self.pv + self.vv + q * q;
+            self.pv += self.vv;
+            self.vv += q * q / 4.0;
+        }
+
+        fn update(&mut self, measured: f32, sigma: f32) {
+            let spread = self.pp + sigma * sigma;
+            let (gain_p, gain_v) = (self.pp / spread, self.pv / spread);
+            let difference = measured - self.position;
+            self.position += gain_p * difference;
+            self.velocity += gain_v * difference;
+            self.vv -= gain_v * self.pv;
+            self.pv -= gain_p * self.pv;
+            self.pp -= gain_p * self.pp;
+        }
+    }
+
+    fn close(found: f32, expected: f32) -> bool {
+        (found - expected).abs() <= 2e-4 * expected.abs().max(1.0)
+    }
+
+    /// A small object, whose noise is that of the settings, and one three times as large as from which the noise grows.
+    #[test]
+    fn every_coordinate_is_filtered_as_one_alone() {
+        let noise = Noise { process: 1.5, measurement: 2.0 };
+        for (size, times) in [(20.0, 1.0), (240.0, 3.0)] {
+            let (q, r) = (times * noise.process, times * noise.measurement);
+            let at = |x: f32, y: f32| Vector3::new(x, y, size);
+            let mut model = KalmanModel::through(at(70.0, 60.0), at(100.0, 50.0), 2.0, noise);
+            // Two measurements, two periods apart.
+            let vv = 2.0 * r * r / 4.0;
+            let mut x = Coordinate { position: 100.0, velocity: 15.0, pp: r * r, pv: 0.0, vv };
+            let mut y = Coordinate { position: 50.0, velocity: -5.0, ..x };
+            let agree = |model: &KalmanModel, x: &Coordinate, y: &Coordinate| {
+                let covariance = &model.covariance;
+                for (index, of) in [x, y].into_iter().enumerate() {
+                    assert!(close(model.state[index], of.position), "{} {}", model.state, of.position);
+                    assert!(close(model.state[index + 3], of.velocity), "{} {}", model.state, of.velocity);
+                }
+                for index in 0..3 {
+                    assert!(close(covariance[(index, index)], x.pp), "{covariance} {}", x.pp);
+                    assert!(close(covariance[(index, index + 3)], x.pv), "{covariance} {}", x.pv);
+                    assert!(close(covariance[(index + 3, index)], x.pv), "{covariance} {}", x.pv);
+                    assert!(close(covariance[(index + 3, index + 3)], x.vv), "{covariance} {}", x.vv);
+                }
+                assert_eq!((covariance[(0, 1)], covariance[(2, 3)], model.state[5]), (0.0, 0.0, 0.0));
+            };
+            agree(&model, &x, &y);
+            for (measured_x, measured_y, trust) in
+                [(118.0, 47.0, 1.0), (127.0, 35.0, 3.0), (150.0, 33.0, 0.5)]
+            {
+                model.predict(1.0);
+                x.predict(q);
+                y.predict(q);
+                agree(&model, &x, &y);
+
+                let measured = at(measured_x, measured_y);
+                let squared = (measured_x - x.position).powi(2) + (measured_y - y.position).powi(2);
+                assert!(close(
+                    model.expected_measurement(0.0).distance_squared(&measured),
+                    squared / (x.pp + r * r)
+                ));
+                for manoeuvre in [0.0, 7.0_f32] {
+                    let spread = x.pp + r * r + manoeuvre * manoeuvre;
+                    let innovation = model.expected_measurement(manoeuvre).innovation(&measured);
+                    assert!(close(innovation.distance_squared, squared / spread));
+                    assert!(close(innovation.log_spread, 3.0 * (spread / (q * q + r * r)).ln()));
+                }
+                let radius = (2.0 * (x.pp + r * r)).sqrt();
+                let [long, short, angle] = model.gate_ellipse(2.0);
+                assert!(close(long, radius) && close(short, radius) && angle == 0.0);
+
+                model.update(&measured, trust);
+                x.update(measured_x, trust * r);
+                y.update(measured_y, trust * r);
+                agree(&model, &x, &y);
+            }
+            model.update_after_manoeuvre(&at(160.0, 60.0), 8.0);
+            for (of, measured) in [(&mut x, 160.0), (&mut y, 60.0)] {
+                of.pp += 64.0;
+                of.vv += 64.0;
+                of.pv += 0.7 * 64.0;
+                of.update(measured, r);
+            }
+            agree(&model, &x, &y);
+            model.restart_at(&at(10.0, 20.0));
+            x = Coordinate { position: 10.0, pp: r * r, pv: 0.0, vv: r * r, ..x };
+            agree(&model, &x, &Coordinate { position: 20.0, velocity: y.velocity, ..x });
+        }
+    }
+
+    /// The covariance of the place and of its measurement has the eigenvalues 28 and 8.
+    #[test]
+    fn the_gate_is_an_ellipse_along_the_larger_spread() {
+        let mut model = KalmanModel::new(Vector3::new(0.0, 0.0, 20.0), Vector3::zeros(), 1.0, NOISE);
+        let [xx, xy, yy] = [20.0, 8.0, 8.0];
+        (model.covariance[(0, 0)], model.covariance[(1, 1)]) = (xx, yy);
+        (model.covariance[(0, 1)], model.covariance[(1, 0)]) = (xy, xy);
+        let [long, short, angle] = model.gate_ellipse(2.0);
+        assert!(close(long, 56.0_f32.sqrt()) && close(short, 4.0), "{long} {short}");
+        assert!(close(angle, 0.5 * (16.0_f32 / 12.0).atan()), "{angle}");
+    }
 }

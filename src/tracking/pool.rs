@@ -483,4 +483,111 @@ mod tests {
             assert!(blobs.iter().map(|blob| blob.hypotheses().count()).sum::<usize>() <= 12);
         }
     }
+
+    #[test]
+    fn the_fitness_is_a_running_mean_of_the_errors() {
+        let mut fitness = Fitness { mean_error: 4.0, nulls: 0.5 };
+        fitness.record_match(10.0, 8);
+        assert_eq!(fitness, Fitness { mean_error: 4.75, nulls: 1.0 });
+        fitness.record_miss(0.8);
+        assert_eq!(fitness.value(), 0.8 / 4.75);
+        let mut blobs = [blob(100.0, 50.0, 3.0)];
+        let mut settings = settings();
+        settings.min_fitness = blobs[0].shown().fitness.value();
+        assert!(!settings.is_unfit(&blobs[0]), "the least fitness is enough");
+        step_with(&settings, &mut blobs, &[at(107.0, 52.0)]);
+        let innovation = {
+            let mut before = blob(100.0, 50.0, 3.0);
+            before.predict(1.0);
+            before.shown().model.distance_squared(&at(107.0, 52.0).measurement())
+        };
+        let mean = EXPECTED_ERROR + (innovation - EXPECTED_ERROR) / settings.fitness_memory as f32;
+        assert!((blobs[0].shown().fitness.mean_error - mean).abs() < 1e-4);
+    }
+
+    /// A hypothesis with this score and match.
+    fn hypothesis(score: f32, matched: Option<usize>) -> Hypothesis {
+        Hypothesis { score, matched, ..blob(100.0, 50.0, 0.0).shown }
+    }
+
+    fn scores(blob: &Blob) -> Vec<f32> {
+        blob.hypotheses().map(|each| each.score).collect()
+    }
+
+    #[test]
+    fn scores_are_relative_to_the_shown_hypothesis_and_probabilities_to_all() {
+        let mut blob = blob(100.0, 50.0, 0.0);
+        blob.show(
+            vec![hypothesis(-2.5, None), hypothesis(-3.0, Some(1)), hypothesis(-7.0, Some(0))],
+            Some(1),
+        );
+        assert_eq!(scores(&blob), [0.0, 0.5, -4.0]);
+        let total = 1.0 + 0.5_f32.exp() + (-4.0_f32).exp();
+        for (summary, score) in blob.summaries(12.0).iter().zip([0.0_f32, 0.5, -4.0]) {
+            assert!((summary.probability - score.exp() / total).abs() < 1e-6, "{}", summary.probability);
+        }
+    }
+
+    #[test]
+    fn of_two_pasts_with_the_same_region_the_likelier_goes_on() {
+        let parents = |first: f32, second: f32| {
+            [(first, 101.0), (second, 100.0)]
+                .map(|(score, x)| Hypothesis { score, ..blob(x, 50.0, 0.0).shown })
+        };
+        let measured = [at(100.0, 50.0).measurement()];
+        // The second predicts better, the first was likelier before.
+        for (first, second, wins) in [(0.0, -0.01, 1), (0.0, -5.0, 0), (-5.0, 0.0, 1)] {
+            let parents = parents(first, second);
+            let children = settings().branch(parents.iter(), &measured);
+            let [with, without] = &children[..] else { panic!("{children:?}") };
+            assert_eq!((with.matched, without.matched), (Some(0), None));
+            let innovation = parents[wins].model.innovation(&measured[0], 0.0);
+            assert_eq!(with.score, parents[wins].score + innovation.log_likelihood());
+            assert_eq!(without.score, first.max(second) - 0.5 * settings().gate);
+        }
+    }
+
+    #[test]
+    fn improbable_unfit_and_surplus_hypotheses_are_dropped() {
+        let with = |others: &[f32]| {
+            let others = others.iter().map(|&score| hypothesis(score, None)).collect();
+            Blob { others, ..blob(100.0, 50.0, 0.0) }
+        };
+        let prune = |settings: &HypothesisMatcher, mut blobs: Vec<Blob>| {
+            settings.prune(&mut blobs.iter_mut().collect::<Vec<_>>());
+            blobs.iter().map(scores).collect::<Vec<_>>()
+        };
+        let mut settings = settings();
+        settings.max_hypotheses = 100;
+        assert_eq!(prune(&settings, vec![with(&[-8.5, -1.0, -8.0, 0.5])]), [[0.0, 0.5, -1.0, -8.0]]);
+        let many = with(&[-1.0, -2.0, -3.0, -4.0, -5.0, -6.0, -7.0]);
+        assert_eq!(prune(&settings, vec![many]), [[0.0, -1.0, -2.0, -3.0, -4.0, -5.0]]);
+        let mut unfit = with(&[-1.0, -2.0]);
+        unfit.others[0].fitness.nulls = 1e-3;
+        assert_eq!(prune(&settings, vec![unfit]), [[0.0, -2.0]]);
+
+        // Seven of two blobs; with room for them all stay, one less leaves the least probable out.
+        let blobs = || vec![with(&[-1.0, -4.0]), with(&[-2.0, -3.0, -5.0])];
+        settings.max_hypotheses = 7;
+        assert_eq!(prune(&settings, blobs()), [vec![0.0, -1.0, -4.0], vec![0.0, -2.0, -3.0, -5.0]]);
+        settings.max_hypotheses = 6;
+        assert_eq!(prune(&settings, blobs()), [vec![0.0, -1.0, -4.0], vec![0.0, -2.0, -3.0]]);
+        settings.max_hypotheses = 3;
+        assert_eq!(prune(&settings, blobs()), [vec![0.0, -1.0], vec![0.0]]);
+    }
+
+    #[test]
+    fn a_manoeuvre_reaches_in_proportion_to_the_object() {
+        let settings = settings();
+        let mut lost = blob(100.0, 50.0, 0.0);
+        lost.predict(1.0);
+        let reached = |x: f32| !settings.match_manoeuvres(&[&lost], &[&at(x, 50.0)]).is_empty();
+        assert!(reached(125.0), "about an object's length");
+        assert!(!reached(160.0));
+        let sigma = 0.4 * 800.0_f32.sqrt();
+        let mut expected = lost.shown().model.clone();
+        expected.update_after_manoeuvre(&at(125.0, 50.0).measurement(), sigma);
+        HypothesisMatcher::update_after_manoeuvre(&mut lost, &at(125.0, 50.0));
+        assert_eq!(lost.shown().model, expected);
+    }
 }

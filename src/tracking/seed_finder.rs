@@ -92,3 +92,79 @@ fn plausible(first: &Observation, second: &Observation) -> bool {
     let near = (x - other_x).abs() <= reach && (y - other_y).abs() <= reach;
     near && first.area < 3.0 * second.area && second.area < 3.0 * first.area
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::indexing_slicing)]
+    use super::*;
+    use crate::regions::Rect;
+    use crate::settings::{Preset, Settings};
+
+    fn at(index: usize, x: f32, y: f32) -> UnexplainedDetection {
+        let observation = Observation { bbox: Rect::around([x, y], 20.0, 40.0), area: 800.0 };
+        UnexplainedDetection { index, observation, labels: vec![index as u32 + 1] }
+    }
+
+    /// The seeds of the third of three frames, the second two periods after the first.
+    fn seeds(frames: [Vec<UnexplainedDetection>; 3]) -> Vec<Seed> {
+        let settings = HypothesisMatcher::new(&Settings::preset(Preset::Plain), 25.0);
+        let mut finder = SeedFinder::default();
+        let [first, second, third] = frames;
+        assert_eq!(finder.step(&settings, 1.0, first).len(), 0);
+        assert_eq!(finder.step(&settings, 2.0, second).len(), 0);
+        finder.step(&settings, 1.0, third)
+    }
+
+    #[test]
+    fn three_detections_at_one_velocity_are_an_object() {
+        let found = seeds([vec![at(4, 100.0, 50.0)], vec![at(2, 112.0, 54.0)], vec![at(7, 118.0, 56.0)]]);
+        let [seed] = &found[..] else { panic!("{found:?}") };
+        assert_eq!((seed.index, seed.earlier[0].index, seed.earlier[1].index), (7, 4, 2));
+        assert_eq!(seed.model.centre(), [118.0, 56.0]);
+        assert_eq!((seed.model.velocity().x, seed.model.velocity().y), (6.0, 2.0));
+        assert_eq!(
+            seeds([vec![at(0, 100.0, 50.0)], vec![at(0, 112.0, 50.0)], vec![at(0, 160.0, 50.0)]]).len(),
+            0
+        );
+    }
+
+    #[test]
+    fn each_detection_has_the_seed_that_predicts_it_best() {
+        let found = seeds([
+            vec![at(0, 97.0, 50.0), at(1, 100.0, 50.0)],
+            vec![at(0, 112.0, 50.0)],
+            vec![at(0, 119.4, 50.0), at(1, 118.2, 50.0)],
+        ]);
+        let pairs: Vec<_> = found.iter().map(|seed| (seed.index, seed.earlier[0].index)).collect();
+        assert_eq!(pairs, [(0, 0), (1, 1)], "119.5 and 118 are predicted");
+    }
+
+    #[test]
+    fn detections_far_apart_or_of_other_sizes_are_not_one_object() {
+        let one = at(0, 100.0, 50.0).observation;
+        let other = |x: f32, y: f32, area: f32| Observation { area, ..at(0, x, y).observation };
+        let both = |second: &Observation| [plausible(&one, second), plausible(second, &one)];
+        // Half the sum of √800 and √450 is 24.7.
+        assert_eq!(both(&other(124.0, 26.0, 450.0)), [true; 2]);
+        assert_eq!(both(&other(125.0, 50.0, 450.0)), [false; 2]);
+        assert_eq!(both(&other(100.0, 25.0, 450.0)), [false; 2]);
+        assert_eq!(both(&other(100.0, 50.0, 2399.0)), [true; 2]);
+        assert_eq!(both(&other(100.0, 50.0, 2400.0)), [false; 2]);
+        assert_eq!(both(&other(100.0, 50.0, 267.0)), [true; 2]);
+    }
+
+    #[test]
+    fn detections_are_retained_for_two_frames() {
+        let settings = HypothesisMatcher::new(&Settings::default(), 25.0);
+        let mut finder = SeedFinder::default();
+        let kept = [3, 1, 0, 0].map(|count| {
+            finder.step(
+                &settings,
+                1.0,
+                (0..count).map(|index| at(index, 90.0 * index as f32, 50.0)).collect(),
+            );
+            finder.len()
+        });
+        assert_eq!(kept, [3, 4, 1, 0]);
+    }
+}

@@ -147,6 +147,7 @@ mod tests {
         let frames = AnalysedFrames::at_steps(3, 11, 4).unwrap();
         assert_eq!((0..20).filter(|&number| frames.contains(number)).collect::<Vec<_>>(), [3, 7, 11]);
         assert_eq!((frames.count(), frames.span(), frames.covers(5)), (3, (3, 11), true));
+        assert!(!frames.covers(2) && frames.covers(3) && frames.covers(11) && !frames.covers(12));
         assert_eq!(AnalysedFrames::at_steps(5, 4, 1), None);
         assert_eq!(AnalysedFrames::of_numbers([]), None);
         let all = AnalysedFrames::of_results(None);

@@ -74,3 +74,33 @@ pub fn shifted_number(number: u32, offset: i64) -> Option<u32> {
 pub fn span<T>(frames: &BTreeMap<u32, T>) -> Option<(u32, u32)> {
     Some((*frames.first_key_value()?.0, *frames.last_key_value()?.0))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_box_is_cut_to_a_part_of_the_image() {
+        let part = Crop { x: 2, y: 3, width: 6, height: 10 };
+        let within = |bounds: [f64; 4]| Bounds(bounds).within(&part).map(|cut| cut.0);
+        assert_eq!(within([2.5, 4.0, 3.0, 2.0]), Some([2.5, 4.0, 3.0, 2.0]));
+        assert_eq!(within([0.5, 4.0, 9.0, 2.0]), Some([2.0, 4.0, 6.0, 2.0]));
+        assert_eq!(within([2.0, 11.5, 0.5, 6.0]), Some([2.0, 11.5, 0.5, 1.5]));
+        assert_eq!(within([4.0, 1.0, 1.0, 2.5]), Some([4.0, 3.0, 1.0, 0.5]));
+        assert_eq!([within([8.0, 4.0, 3.0, 2.0]), within([4.0, 0.0, 3.0, 3.0])], [None; 2]);
+    }
+
+    #[test]
+    fn overlaps_and_shifts() {
+        let one = Bounds([0.0, 0.0, 10.0, 20.0]);
+        let other = Bounds([5.0, 10.0, 10.0, 20.0]);
+        assert_eq!((one.shared(&other), one.iou(&other)), (50.0, 50.0 / 350.0));
+        assert_eq!(
+            (one.iou(&Bounds([20.0, 0.0, 1.0, 1.0])), Bounds([0.0; 4]).iou(&Bounds([0.0; 4]))),
+            (0.0, 0.0)
+        );
+        let frames = BTreeMap::from([(2, 'a'), (5, 'b')]);
+        assert_eq!(shifted(&frames, -3), BTreeMap::from([(2, 'b')]));
+        assert_eq!(span(&frames), Some((2, 5)));
+    }
+}

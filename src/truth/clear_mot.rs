@@ -217,4 +217,14 @@ mod tests {
         // Without true boxes each false positive counts as for one true box.
         assert_eq!(score(&Boxes::new(), &some, 0.5).mota, 0.0);
     }
+
+    #[test]
+    fn of_equally_many_matches_those_of_largest_overlap_are_taken() {
+        let truth = boxes(&[(1, 1, 0.0), (1, 2, 3.0)]);
+        let found = boxes(&[(1, 7, 1.0), (1, 8, 4.0)]);
+        // An IoU of 90/110 for both, or of 60/140 and 80/120.
+        let score = score(&truth, &found, 0.4);
+        assert_eq!(score.mota, 1.0);
+        assert!((score.motp - 20.0 / 110.0).abs() < 1e-12, "{}", score.motp);
+    }
 }

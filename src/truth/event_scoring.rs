@@ -232,4 +232,13 @@ mod tests {
             (1.0, 1.0)
         );
     }
+
+    #[test]
+    fn an_event_of_others_or_too_far_away_does_not_match() {
+        let people = BTreeMap::from([(11, 1), (12, 2), (13, 3)]);
+        let matched = |objects: &[u32], frame: u32| {
+            compare(&[merge(&[1, 2], 100)], &[merge(objects, frame)], &people, 8)["merge"].matched
+        };
+        assert_eq!([matched(&[11, 12], 108), matched(&[11, 12], 109), matched(&[11, 13], 100)], [1, 0, 0]);
+    }
 }

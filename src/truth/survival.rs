@@ -162,4 +162,79 @@ mod tests {
         assert_eq!(score(&truth, &found).survived, 0);
         assert_eq!(score(&Boxes::new(), &found), Survival::default());
     }
+
+    /// The episodes of an object in frames 1 to 60 and another one in these frames, which overlaps with it in some of
+    /// them by `columns` of its ten.
+    fn episodes_of(
+        frames: impl Iterator<Item = u32>,
+        overlaps: impl Fn(u32) -> bool,
+        columns: f64,
+    ) -> Vec<(u32, u32)> {
+        let place = |x: f64| Bounds([x, 0.0, 10.0, 20.0]);
+        let one = (1..=60).map(|frame| (frame, place(0.0))).collect();
+        let x = |frame: u32| if overlaps(frame) { 10.0 - columns } else { 50.0 };
+        let other = frames.map(|frame| (frame, place(x(frame)))).collect();
+        episodes(&one, &other)
+    }
+
+    #[test]
+    fn an_episode_is_an_overlap_of_three_frames_between_frames_with_both() {
+        let at =
+            |frames: std::ops::RangeInclusive<u32>| episodes_of(1..=60, |frame| frames.contains(&frame), 5.0);
+        assert_eq!((at(20..=22), at(20..=21)), (vec![(20, 22)], vec![]));
+        assert_eq!(episodes_of(1..=60, |frame| (20..30).contains(&frame), 1.5), [(20, 29)]);
+        assert_eq!(episodes_of(1..=60, |frame| (20..30).contains(&frame), 1.4), []);
+        let twice = |second: u32| {
+            episodes_of(
+                1..=60,
+                |frame| (20..=22).contains(&frame) || (second..second + 3).contains(&frame),
+                5.0,
+            )
+        };
+        assert_eq!(twice(28), [(20, 30)]);
+        assert_eq!(twice(29), [(20, 22), (29, 31)]);
+        // The other one is there in frames 20 to 22, and in one before and one after.
+        let around = |before: u32, after: u32| {
+            let frames = [before, 20, 21, 22, after].into_iter();
+            episodes_of(frames, |frame| (20..=22).contains(&frame), 5.0).len()
+        };
+        assert_eq!((around(10, 32), around(9, 32), around(10, 33)), (1, 0, 0));
+    }
+
+    #[test]
+    fn an_identity_is_the_most_frequent_one_and_of_one_object() {
+        let identities =
+            BTreeMap::from([((1, 7), 5), ((2, 7), 6), ((3, 7), 6), ((4, 7), 5), ((5, 7), 5), ((6, 8), 9)]);
+        let most = |from: u32, to: u32| most_frequent(&identities, 7, from, to);
+        assert_eq!([most(1, 6), most(2, 5), most(1, 3), most(6, 9)], [Some(5), Some(6), Some(5), None]);
+        let place = |x: f64| Bounds([x, 0.0, 10.0, 20.0]);
+        let truth = Boxes::from([(3, BTreeMap::from([(1, place(0.0)), (2, place(4.0))]))]);
+        let found = |boxes: &[(u32, f64)]| {
+            let boxes = boxes.iter().map(|&(identity, x)| (identity, place(x))).collect();
+            matched_identities(&truth, &Boxes::from([(3, boxes)]))
+        };
+        assert_eq!(found(&[(8, 3.0)]), BTreeMap::from([((3, 2), 8)]), "of the nearer one only");
+        assert_eq!(found(&[(8, 3.0), (9, 2.0)]), BTreeMap::from([((3, 2), 8), ((3, 1), 9)]));
+        assert_eq!(found(&[(8, 10.0)]), BTreeMap::new(), "an IoU of a quarter");
+    }
+
+    #[test]
+    fn survival_is_the_share_of_the_identities() {
+        let (truth, mut found) = crossing([[5, 5], [6, 7]]);
+        assert_eq!(score(&truth, &found).survival, Some(0.5));
+        assert_eq!(score(&Boxes::new(), &found).survival, None);
+        // After the overlap, in frames 19 to 21 or so, the second is found in the last of the ten frames only.
+        let [(_, end)] = episodes(&of(&truth, 1), &of(&truth, 2))[..] else { panic!("one episode") };
+        for (frame, boxes) in found.range_mut(end + 1..) {
+            if let Some(place) = boxes.remove(&7).filter(|_| *frame == end + 10) {
+                boxes.insert(6, place);
+            }
+        }
+        assert_eq!(score(&truth, &found).survived, 2);
+    }
+
+    /// The boxes of one object by frame.
+    fn of(boxes: &Boxes, object: u32) -> BTreeMap<u32, Bounds> {
+        boxes.iter().map(|(frame, boxes)| (*frame, boxes[&object])).collect()
+    }
 }

@@ -377,4 +377,99 @@ mod tests {
         ];
         assert_eq!(join_fragments(&observed, PERSON, None), [vec![0], vec![1, 2]]);
     }
+
+    fn cluster(blobs: &[usize], observations: &[usize]) -> Cluster {
+        Cluster { blobs: blobs.to_vec(), observations: observations.to_vec() }
+    }
+
+    #[test]
+    fn blobs_and_regions_are_clustered_by_match_and_by_place() {
+        // The first two are matched; the third is lost in the middle of the second region, the fourth has no region.
+        let expected = [
+            alone(person(100.0, 50.0), Some(1)),
+            alone(person(200.0, 50.0), Some(2)),
+            alone(person(204.0, 50.0), None),
+            alone(person(300.0, 50.0), None),
+        ];
+        let observed = [
+            (Rect::new(104.0, 70.0, 8.0, 10.0), 60.0),
+            (person(100.0, 50.0), 800.0),
+            (Rect::new(200.0, 50.0, 24.0, 60.0), 900.0),
+            (person(20.0, 50.0), 800.0),
+        ];
+        assert_eq!(
+            clusters(&expected, &observed, 0.2),
+            [cluster(&[0], &[0, 1]), cluster(&[1, 2], &[2]), cluster(&[3], &[]), cluster(&[], &[3])]
+        );
+        // A matched blob is not joined to another region that its box overlaps.
+        let expected = [alone(person(100.0, 50.0), Some(0)), alone(person(112.0, 50.0), Some(1))];
+        let observed = [(person(100.0, 50.0), 800.0), (person(108.0, 50.0), 2000.0)];
+        assert_eq!(clusters(&expected, &observed, 0.2), [cluster(&[0], &[0]), cluster(&[1], &[1])]);
+        // A region of its own beside an expected box, too large for a fragment.
+        let beside = [(person(100.0, 50.0), 800.0), (Rect::new(110.0, 50.0, 40.0, 60.0), 1600.0)];
+        assert_eq!(clusters(&expected[..1], &beside, 0.2), [cluster(&[0], &[0]), cluster(&[], &[1])]);
+    }
+
+    #[test]
+    fn a_region_lies_inside_an_expected_box_with_half_of_it_or_a_third_of_a_group() {
+        let inside = |group: bool, x: f32, y: f32| {
+            let expected = ExpectedRegion { group, ..alone(person(100.0, 50.0), None) };
+            lies_inside(&Rect::new(x, y, 10.0, 10.0), &expected)
+        };
+        // Grown by a fifth around its centre: columns 98 to 122 and rows 44 to 116.
+        assert!(inside(false, 93.0, 60.0) && !inside(false, 92.0, 60.0));
+        assert!(inside(false, 117.0, 60.0) && !inside(false, 118.0, 60.0));
+        assert!(inside(false, 105.0, 39.0) && !inside(false, 105.0, 38.0));
+        assert!(inside(false, 105.0, 111.0) && !inside(false, 105.0, 112.0));
+        // By a tenth: columns 99 to 121 and rows 47 to 113.
+        assert!(inside(true, 92.0, 60.0) && !inside(true, 91.0, 60.0));
+        assert!(inside(true, 105.0, 110.0) && !inside(true, 105.0, 111.0));
+    }
+
+    #[test]
+    fn fragments_are_joined_within_the_extent_of_an_object() {
+        let joined = |a: Rect, b: Rect, inside: Option<Rect>| {
+            let area = |it: Rect| 0.7 * it.area();
+            join_fragments(&[(a, area(a)), (b, area(b))], PERSON, inside).len() == 1
+        };
+        // One above the other: together at most 1.25 of the height and width.
+        let upper = Rect::new(100.0, 50.0, 20.0, 30.0);
+        assert!(joined(upper, Rect::new(100.0, 95.0, 20.0, 30.0), None));
+        assert!(!joined(upper, Rect::new(100.0, 96.0, 20.0, 30.0), None));
+        assert!(joined(upper, Rect::new(105.0, 84.0, 20.0, 30.0), None));
+        assert!(!joined(upper, Rect::new(106.0, 84.0, 20.0, 30.0), None));
+        // Within the only expected box, in any direction: at most 1.6 of both, with a gap of at most their size.
+        let low = Rect::new(100.0, 60.0, 12.0, 16.0);
+        let around = |w: f32, h: f32| Some(Rect::new(90.0, 40.0, w, h));
+        assert!(joined(low, Rect::new(122.0, 60.0, 10.0, 16.0), around(60.0, 60.0)));
+        assert!(!joined(low, Rect::new(123.0, 60.0, 10.0, 16.0), around(60.0, 60.0)), "33 columns");
+        assert!(joined(low, Rect::new(114.0, 87.0, 12.0, 16.0), around(60.0, 120.0)));
+        assert!(!joined(low, Rect::new(114.0, 88.0, 12.0, 16.0), around(60.0, 120.0)), "a gap of 12 pixels");
+        let tall = |x: f32, y: f32, h: f32| Rect::new(x, y, 11.0, h);
+        assert!(joined(tall(100.0, 40.0, 44.0), tall(113.0, 92.0, 44.0), around(60.0, 120.0)));
+        assert!(!joined(tall(100.0, 40.0, 44.0), tall(113.0, 92.0, 45.0), around(60.0, 120.0)), "97 rows");
+        // Half of each is inside the box grown by a fifth, unless it is a small part.
+        let (left, right) = (Rect::new(99.0, 60.0, 16.0, 50.0), Rect::new(113.0, 60.0, 18.0, 28.0));
+        let inside = |x: f32, y: f32| Some(Rect::new(x, y, 20.0, 60.0));
+        assert!(joined(left, right, inside(100.0, 55.0)));
+        assert!(!joined(left, right, inside(99.0, 55.0)), "8 of 18 columns of the right one");
+        assert!(joined(left, right, inside(109.0, 55.0)));
+        assert!(!joined(left, right, inside(110.0, 55.0)), "7 of 16 columns of the left one");
+        let small = Rect::new(114.0, 60.0, 14.0, 29.0);
+        assert!(joined(left, small, inside(101.0, 91.0)));
+        assert!(!joined(left, small, inside(101.0, 92.0)), "24 of 50 rows");
+    }
+
+    #[test]
+    fn the_gap_between_fragments_is_limited_by_their_sizes() {
+        assert_eq!(max_gap(100.0, 900.0), 15.0);
+        assert_eq!(max_gap(900.0, 400.0), 20.0);
+    }
+
+    #[test]
+    fn each_of_two_side_by_side_has_a_quarter_of_the_pixels() {
+        let pair =
+            |area: f32| are_side_by_side(&(person(100.0, 50.0), area), &(person(130.0, 50.0), 800.0), PERSON);
+        assert!(pair(200.0) && !pair(199.0));
+    }
 }

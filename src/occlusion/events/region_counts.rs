@@ -48,4 +48,21 @@ mod tests {
         assert_eq!(counts.around(10), (0, 2));
         assert_eq!(counts.around(14), (4, 0), "not recorded yet");
     }
+
+    #[test]
+    fn regions_of_confirmed_objects_are_counted_for_as_long_as_an_event_can_be_late() {
+        use crate::occlusion::fixtures::{BLUE, RED, context, person, start_confirmed, start_tentative};
+        let mut context = context(1);
+        context.limits.max_hidden_frames = 3;
+        let (mut table, mut counts) = (ObjectTable::default(), RegionCounts::default());
+        start_tentative(&context, &mut table, person(20.0, 90.0), RED, [0.0; 2]);
+        start_confirmed(&context, &mut table, person(100.0, 90.0), BLUE, [0.0; 2]);
+        start_confirmed(&context, &mut table, person(200.0, 90.0), BLUE, [0.0; 2]);
+        table.blobs_mut().skip(2).for_each(|tracked| tracked.detection = None);
+        for number in 1..=9 {
+            context.number = number;
+            counts.record(&context, &table);
+        }
+        assert_eq!(counts.0, (5..=9).map(|number| (number, 1)).collect::<Vec<_>>());
+    }
 }

@@ -187,4 +187,57 @@ mod tests {
     fn an_empty_mosaic_has_at_most_one_head() {
         assert!(head_columns(&Mosaic::default()).len() <= 1);
     }
+
+    /// Two people of these columns and rows, with shoulders that meet, and heads of `head` rows. `feet` is how many
+    /// rows the first one's feet are higher.
+    fn pair(widths: [usize; 2], heights: [usize; 2], head: usize, feet: usize) -> usize {
+        let tallest = (heights[0] + feet).max(heights[1]);
+        let rows: Vec<String> = (0..tallest)
+            .map(|row| {
+                let of = |person: usize, below: usize| {
+                    let top = tallest - below - heights[person];
+                    let filled = row >= top && row < tallest - below;
+                    let width = widths[person];
+                    let body = filled && row >= top + head;
+                    (0..width).map(move |column| {
+                        let is_head = filled && column > 0 && column + 1 < width;
+                        if body || is_head { '#' } else { '.' }
+                    })
+                };
+                of(0, feet).chain(of(1, 0)).collect()
+            })
+            .collect();
+        head_columns(&drawn(&rows.iter().map(String::as_str).collect::<Vec<_>>())).len()
+    }
+
+    #[test]
+    fn two_people_have_similar_heights_widths_and_feet() {
+        assert_eq!(pair([5, 5], [15, 15], 3, 0), 2);
+        assert_eq!(pair([5, 5], [15, 15], 1, 0), 1, "a gap of one row");
+        assert_eq!(pair([6, 6], [24, 24], 3, 0), 1, "a gap of an eighth of the height");
+        assert_eq!(pair([6, 6], [24, 24], 4, 0), 2);
+        assert_eq!(pair([4, 4], [9, 9], 3, 0), 1, "too small to tell");
+        assert_eq!(pair([4, 4], [10, 10], 3, 0), 2);
+        assert_eq!(pair([6, 5], [20, 12], 4, 0), 2, "three fifths as tall");
+        assert_eq!(pair([6, 5], [20, 11], 4, 0), 1);
+        assert_eq!(pair([7, 7], [16, 16], 3, 5), 2, "feet less than a quarter of the height apart");
+        assert_eq!(pair([7, 7], [16, 16], 3, 6), 1);
+        assert_eq!(pair([3, 3], [15, 15], 3, 0), 1, "as narrow as halves beside a pole");
+        assert_eq!(pair([12, 12], [15, 15], 3, 0), 1, "as wide as cars");
+        assert_eq!(pair([14, 4], [20, 16], 4, 0), 1, "a fifth of the area");
+    }
+
+    #[test]
+    fn a_cell_counts_from_three_tenths_of_it_on() {
+        let mosaic = |pixels: u32| Mosaic {
+            side: 4,
+            left: 5,
+            top: 3,
+            columns: 2,
+            cells: [16, 16, 16, pixels, 16, 0].map(|pixels| Cell { pixels, colour: [90; 3] }).to_vec(),
+        };
+        let columns = |pixels: u32| Silhouette::of(&mosaic(pixels)).columns;
+        assert_eq!(columns(5), [Some((3..6, 3)), Some((3..5, 2))]);
+        assert_eq!(columns(4), [Some((3..6, 3)), Some((3..4, 1))]);
+    }
 }

@@ -218,4 +218,39 @@ mod tests {
         assert!(decisions.events.is_empty() && !table.contains(new));
         assert_eq!(table.blobs()[0].members(), [known]);
     }
+
+    /// The kinds of the events at the end of the video, in frame `last`, of a blob lost from frame 8 on.
+    fn at_end(bbox: Rect, velocity: [f32; 2], last: u32, confirmed: bool) -> Vec<EventKind> {
+        let (mut table, mut decisions) = (ObjectTable::default(), Decisions::default());
+        let start = if confirmed { start_confirmed } else { start_tentative };
+        start(&context(1), &mut table, bbox, RED, velocity);
+        let tracked = table.blob_mut(0).unwrap();
+        tracked.detection = None;
+        tracked.lost_from = Some(FrameRef { number: 8, index: 8, t: 8 });
+        resolve_lost_blobs_at_end(&context(last), &mut table, &mut decisions);
+        assert_eq!((table.check(), table.blobs().len()), (None, usize::from(decisions.events.is_empty())));
+        decisions.events.iter().map(|event| event.kind).collect()
+    }
+
+    #[test]
+    fn a_blob_without_a_region_at_the_end_has_left_or_is_occluded_if_it_is_no_flicker() {
+        let inside = person(150.0, 80.0);
+        assert_eq!(at_end(inside, [0.0; 2], 10, true), [EventKind::Disappear], "the third frame");
+        assert_eq!(at_end(inside, [0.0; 2], 9, true), []);
+        assert_eq!(at_end(inside, [0.0; 2], 10, false), [], "it was tentative");
+        assert_eq!(at_end(person(298.0, 80.0), [2.0, 0.0], 8, true), [EventKind::Exit]);
+    }
+
+    #[test]
+    fn the_outward_speed_is_that_towards_the_nearest_edge() {
+        let size = Size::new(320, 240);
+        let speed = |x: f32, y: f32| outward_speed(&person(x, y), [2.0, 3.0], size);
+        assert_eq!(
+            [speed(5.0, 90.0), speed(150.0, 6.0), speed(295.0, 90.0), speed(150.0, 172.0)],
+            [-2.0, -3.0, 2.0, 3.0]
+        );
+        // 30 pixels from the left edge, 40 from the lower one; and the other way round.
+        assert_eq!([speed(30.0, 140.0), speed(40.0, 150.0)], [-2.0, 3.0]);
+        assert_eq!([speed(270.0, 140.0), speed(260.0, 150.0)], [2.0, 3.0]);
+    }
 }

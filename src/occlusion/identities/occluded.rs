@@ -192,7 +192,7 @@ fn reappearance_place(
 mod tests {
     #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
     use super::*;
-    use crate::occlusion::fixtures::{RED, context, person, start_confirmed, start_tentative};
+    use crate::occlusion::fixtures::{BLUE, RED, context, person, start_confirmed, start_tentative};
     use crate::occlusion::state::context::FrameRef;
 
     /// A red person that is occluded from frame 2 on at x = 100, and a new object in frame 10. Gives the number of
@@ -238,5 +238,146 @@ mod tests {
         assert!(table.contains(id));
         update_occluded(&context(3 + most), &mut table, &mut decisions);
         assert!(!table.contains(id));
+    }
+
+    /// The place of a box of this centre relative to a person that was seen last at (110, 110), is predicted at
+    /// `predicted` and has been occluded for 16 frames: the least radius is 40 pixels.
+    fn place(
+        predicted: [f32; 2],
+        velocity: [f32; 2],
+        centre: [f32; 2],
+        by: ReappearBy,
+    ) -> Option<ReappearancePlace> {
+        let mut now = context(18);
+        now.settings.reappear_by = by;
+        let mut table = ObjectTable::default();
+        let known = start_confirmed(&context(1), &mut table, person(100.0, 80.0), RED, velocity);
+        table.get_mut(known).unwrap().set_centre(predicted);
+        table.occlude(known, FrameRef { number: 2, index: 2, t: 2 });
+        let occluded = table.occlusion_of(known).unwrap();
+        let bbox = Rect::around(centre, 20.0, 60.0);
+        reappearance_place(&now, table.get(known).unwrap(), &occluded, &bbox)
+    }
+
+    #[test]
+    fn an_occluded_object_reappears_at_the_predicted_place_or_where_it_may_have_stopped() {
+        let at = |distance: f32, reach: f32, predicted: bool, near: bool| {
+            Some(ReappearancePlace { distance, reach, predicted, near })
+        };
+        // At 5 pixels a frame the radius around the predicted place is twice as large.
+        let near = |x: f32| place([190.0, 150.0], [3.0, 4.0], [x, 150.0], ReappearBy::Colour);
+        assert_eq!(near(230.0), at(40.0, 80.0, true, true));
+        assert_eq!(near(231.0), at(41.0, 80.0, true, false));
+        assert_eq!(near(270.0), at(80.0, 80.0, true, false));
+        assert_eq!(near(271.0), None);
+        assert_eq!(near(230.0).unwrap().share(), 0.5);
+        // Three eighths of the way, ten pixels above it.
+        let on_the_way = |by: ReappearBy| place([310.0, 210.0], [0.0; 2], [185.0, 137.5], by);
+        assert_eq!(on_the_way(ReappearBy::Colour), at(10.0, 40.0, false, false));
+        assert_eq!(on_the_way(ReappearBy::Position), None);
+        let below = |y: f32| place([310.0, 110.0], [0.0; 2], [185.0, y], ReappearBy::Colour);
+        assert_eq!(below(150.0), at(40.0, 40.0, false, false));
+        assert_eq!(below(151.0), None);
+        // Beyond the image edge nothing reappears; half of the way it may have turned.
+        assert_eq!(
+            place([400.0, 110.0], [0.0; 2], [255.0, 110.0], ReappearBy::Colour),
+            at(0.0, 40.0, false, false)
+        );
+    }
+
+    #[test]
+    fn by_position_an_object_predicted_outside_the_image_has_ended() {
+        for (by, stays) in [(ReappearBy::Position, false), (ReappearBy::Colour, true)] {
+            let (mut table, mut decisions, mut now) =
+                (ObjectTable::default(), Decisions::default(), context(4));
+            now.settings.reappear_by = by;
+            let [outside, inside] = [400.0, 200.0].map(|x| {
+                let id = start_confirmed(&context(1), &mut table, person(100.0, 80.0), RED, [0.0; 2]);
+                table.get_mut(id).unwrap().set_centre([x, 110.0]);
+                table.occlude(id, FrameRef { number: 2, index: 2, t: 2 });
+                id
+            });
+            table.drop_empty_blobs();
+            update_occluded(&now, &mut table, &mut decisions);
+            assert_eq!((table.contains(outside), table.contains(inside)), (stays, true), "{by:?}");
+        }
+    }
+
+    #[test]
+    fn a_reappearance_is_emitted_once_the_object_stayed_for_an_episode() {
+        let (_, mut table, mut decisions) = match_new(106.0);
+        let wait = context(1).limits.same_episode_frames;
+        update_occluded(&context(10 + wait), &mut table, &mut decisions);
+        assert_eq!((decisions.reappearances.len(), decisions.events.len()), (1, 0));
+        update_occluded(&context(11 + wait), &mut table, &mut decisions);
+        let kinds: Vec<EventKind> = decisions.events.iter().map(|event| event.kind).collect();
+        assert_eq!((decisions.reappearances.len(), &kinds[..]), (0, &[EventKind::Reappear][..]));
+        let frames = &decisions.events[0].evidence.comparisons[2];
+        assert_eq!((&frames.what[..], frames.value), ("frames occluded", 8.0));
+    }
+
+    /// A red and a blue person are occluded 30 pixels apart; a new one of this colour is at the place of the red one.
+    fn match_of_two(colour: crate::regions::Rgb, by: ReappearBy) -> Option<ObjectId> {
+        let (mut table, mut decisions, mut now) = (ObjectTable::default(), Decisions::default(), context(10));
+        now.settings.reappear_by = by;
+        let known = [(100.0, RED), (130.0, BLUE)].map(|(x, colour)| {
+            let id = start_confirmed(&context(1), &mut table, person(x, 80.0), colour, [0.0; 2]);
+            table.occlude(id, FrameRef { number: 2, index: 2, t: 2 });
+            id
+        });
+        table.drop_empty_blobs();
+        let new = start_tentative(&now, &mut table, person(100.0, 80.0), colour, [0.0; 2]);
+        assert!(try_match_reappearance(&now, &mut table, &mut decisions, new));
+        known.into_iter().find(|&id| table.occlusion_of(id).is_none())
+    }
+
+    #[test]
+    fn of_several_occluded_objects_the_one_of_its_colour_or_the_nearest_reappears() {
+        assert_eq!(match_of_two(BLUE, ReappearBy::Colour), Some(2));
+        assert_eq!(match_of_two(RED, ReappearBy::Colour), Some(1));
+        assert_eq!(match_of_two(BLUE, ReappearBy::Position), Some(1));
+    }
+
+    #[test]
+    fn away_from_the_predicted_place_the_colours_have_to_be_similar() {
+        for (colour, found) in [(RED, true), (BLUE, false)] {
+            let (mut table, mut decisions, now) = (ObjectTable::default(), Decisions::default(), context(10));
+            let known = start_confirmed(&context(1), &mut table, person(100.0, 80.0), RED, [0.0; 2]);
+            table.get_mut(known).unwrap().set_centre([270.0, 110.0]);
+            table.occlude(known, FrameRef { number: 2, index: 2, t: 2 });
+            table.drop_empty_blobs();
+            let new = start_tentative(&now, &mut table, person(150.0, 80.0), colour, [0.0; 2]);
+            // It has moved there, so that a small part would do.
+            table.get_mut(new).unwrap().first_bbox = person(100.0, 80.0);
+            assert_eq!(try_match_reappearance(&now, &mut table, &mut decisions, new), found);
+            if let [pending] = &decisions.reappearances[..] {
+                assert!(pending.event.evidence.branch.contains("stopped or turned"));
+            }
+        }
+    }
+
+    #[test]
+    fn a_part_of_an_object_on_the_way_waits_for_a_clearer_view() {
+        let waits = |bbox: Rect, first_bbox: Rect, seen_frames: u32, by: ReappearBy| {
+            let (mut table, mut now) = (ObjectTable::default(), context(10));
+            now.settings.reappear_by = by;
+            let known = start_confirmed(&context(1), &mut table, person(100.0, 80.0), RED, [0.0; 2]);
+            table.get_mut(known).unwrap().set_centre([270.0, 110.0]);
+            table.occlude(known, FrameRef { number: 2, index: 2, t: 2 });
+            table.drop_empty_blobs();
+            let new = start_tentative(&now, &mut table, bbox, RED, [0.0; 2]);
+            let object = table.get_mut(new).unwrap();
+            (object.first_bbox, object.seen_frames) = (first_bbox, seen_frames);
+            needs_clearer_view(&now, &table, new)
+        };
+        let (part, colour) = (Rect::new(180.0, 100.0, 20.0, 30.0), ReappearBy::Colour);
+        let most = context(1).limits.edge_wait_frames;
+        assert!(waits(part, part, most - 1, colour));
+        assert!(!waits(part, part, most, colour), "long enough");
+        assert!(!waits(person(180.0, 80.0), part, 1, colour), "the whole of it is seen");
+        assert!(!waits(Rect::new(262.0, 100.0, 20.0, 30.0), part, 1, colour), "at the predicted place");
+        assert!(!waits(Rect::new(180.0, 180.0, 20.0, 30.0), part, 1, colour), "too far below");
+        assert!(!waits(part, Rect::new(0.0, 100.0, 20.0, 30.0), 1, colour), "it entered");
+        assert!(!waits(part, part, 1, ReappearBy::Position));
     }
 }

@@ -102,7 +102,10 @@ mod tests {
     #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
     use super::*;
     use crate::occlusion::fixtures::{BLUE, RED, context, detection, person, start_group, start_tentative};
+    use crate::occlusion::state::object::Appearance;
     use crate::occlusion::state::object_table::TrackedBlob;
+    use crate::regions::Rect;
+    use crate::settings::Settings;
 
     /// A group of a red and a blue person, of which only the red one's region is left, and a new blue object.
     fn match_new(x: f32) -> (bool, ObjectTable, [ObjectId; 2]) {
@@ -126,5 +129,61 @@ mod tests {
     #[test]
     fn a_new_object_far_from_the_group_is_none_of_its_members() {
         assert!(!match_new(240.0).0);
+    }
+
+    /// The match of a new blue object at `x` with a group whose region has this width.
+    fn matched(x: f32, width: f32, change: impl FnOnce(&mut ObjectTable, [ObjectId; 2])) -> Option<Evidence> {
+        let (mut table, mut decisions, now) = (ObjectTable::default(), Decisions::default(), context(9));
+        let members = start_group(&context(1), &mut table, person(120.0, 80.0), person(140.0, 80.0));
+        table.blob_mut(0).unwrap().detection = Some(detection(Rect::new(120.0, 80.0, width, 60.0), RED));
+        change(&mut table, members);
+        let new = start_tentative(&now, &mut table, person(x, 80.0), BLUE, [0.0; 2]);
+        let matched = try_match_split_member(&now, &mut table, &mut decisions, new);
+        let cause = table.groups().cause_of_leaving(&[members[1]].into());
+        assert_eq!(matched, cause.is_some());
+        cause.map(|cause| cause.evidence.clone())
+    }
+
+    #[test]
+    fn a_member_leaves_a_group_that_shrank_or_in_which_it_was_not_visible() {
+        let step = Settings::default().size_step;
+        let evidence = matched(152.0, 20.0, |_, _| {}).unwrap();
+        assert!(evidence.branch.contains("that shrank"), "{}", evidence.branch);
+        let [area, colour, distance] = &evidence.comparisons[..] else { panic!("{evidence:?}") };
+        assert_eq!((area.value, area.threshold, area.holds), (0.5, Some(1.0 - step), true));
+        assert!((colour.value - 1.2).abs() < 1e-4);
+        assert_eq!(distance.value, 12.0);
+        // Both are 40 pixels wide.
+        let whole = 2.0 * (20.0 * (1.0 - step)).floor();
+        assert!(matched(152.0, whole, |_, _| {}).is_some());
+        assert!(matched(152.0, whole + 2.0, |_, _| {}).is_none(), "as large as before");
+        let unseen =
+            matched(152.0, 40.0, |table, [_, blue]| table.get_mut(blue).unwrap().unseen_frames = 1).unwrap();
+        assert!(unseen.branch.contains("not visible"), "{}", unseen.branch);
+        assert_eq!((unseen.comparisons[0].value, unseen.comparisons[0].holds), (1.0, false));
+    }
+
+    #[test]
+    fn a_member_is_within_three_standard_deviations() {
+        // .15 of the height of 60 pixels.
+        assert!(matched(140.0 + 27.0, 20.0, |_, _| {}).is_some());
+        assert!(matched(140.0 + 28.0, 20.0, |_, _| {}).is_none());
+    }
+
+    #[test]
+    fn of_two_members_the_one_of_its_colours_is_matched() {
+        for order in [[RED, BLUE], [BLUE, RED]] {
+            let (mut table, mut decisions, now) = (ObjectTable::default(), Decisions::default(), context(9));
+            let members = start_group(&context(1), &mut table, person(120.0, 80.0), person(130.0, 80.0));
+            for (id, colour) in members.into_iter().zip(order) {
+                let seen = detection(person(120.0, 80.0), colour);
+                table.get_mut(id).unwrap().appearance = Some(Appearance::new(&seen, [0.0; 2]));
+            }
+            table.blob_mut(0).unwrap().detection = Some(detection(person(120.0, 80.0), RED));
+            let new = start_tentative(&now, &mut table, person(127.0, 80.0), BLUE, [0.0; 2]);
+            assert!(try_match_split_member(&now, &mut table, &mut decisions, new));
+            let left = members[order.iter().position(|&colour| colour == BLUE).unwrap()];
+            assert!(table.groups().cause_of_leaving(&[left].into()).is_some());
+        }
     }
 }

@@ -175,4 +175,33 @@ mod tests {
         correct_member_sizes(&context, &mut table);
         assert_eq!(table.get(first).unwrap().size().0, whole.bbox.w);
     }
+
+    #[test]
+    fn a_region_hardly_larger_than_one_member_shows_one() {
+        let (table, _) = group_with_unseen(4.0);
+        let tracked = &table.blobs()[0];
+        let shows = |area: f32| {
+            let detection = Detection { area, ..tracked.detection.clone().unwrap() };
+            shows_one_object(&table, tracked, &detection)
+        };
+        assert!(shows(1379.0) && !shows(1381.0), "1.15 of 1200 pixels");
+    }
+
+    #[test]
+    fn in_a_region_that_shows_one_object_only_the_most_visible_member_gains() {
+        let (mut table, [first, second]) = group_with_unseen(1.0);
+        table.get_mut(second).unwrap().unseen_frames = 0;
+        table.get_mut(first).unwrap().existence = 1.0;
+        let small =
+            crate::occlusion::fixtures::detection(person(100.0, 80.0), crate::occlusion::fixtures::RED);
+        table.blob_mut(0).unwrap().detection = Some(small);
+        assert!(update_log_odds(&context(2), &mut table).is_empty());
+        let existence = |id: ObjectId| table.get(id).unwrap().existence;
+        assert!((existence(first) - 1.8).abs() < 1e-5, "20 nats a second: {}", existence(first));
+        assert!(
+            (existence(second) - (1.0 - 0.48)).abs() < 1e-5,
+            "12 outside the region: {}",
+            existence(second)
+        );
+    }
 }

@@ -474,4 +474,238 @@ mod tests {
             );
         }
     }
+
+    fn close(found: f32, expected: f32) -> bool {
+        (found - expected).abs() <= 1e-4 * expected.abs().max(1.0)
+    }
+
+    #[test]
+    fn a_place_is_the_less_likely_the_farther_from_the_predicted_one() {
+        let template = template(220, 160);
+        let object = at(&template, [100.0, 80.0]);
+        assert_eq!(object.prior([100.0, 80.0]), 0.0);
+        assert_eq!(object.prior([106.0, 72.0]), -0.5);
+        assert_eq!(object.prior([80.0, 80.0]), -2.0);
+        let beside = |x: f32, y: f32| object.overlaps(&at(&template, [100.0 + x, 80.0 + y]));
+        assert!(beside(31.0, -79.0) && beside(-31.0, 79.0));
+        assert!(!beside(32.0, 0.0) && !beside(0.0, 80.0));
+    }
+
+    /// Two cells next to each other in columns 20 and 21 of row 30, of 4 pixels, of which half of the second is filled.
+    fn pair() -> Mosaic {
+        let cells = vec![Cell { pixels: 16, colour: [100, 0, 8] }, Cell { pixels: 8, colour: [40, 0, 8] }];
+        Mosaic { side: 4, left: 20, top: 30, columns: 2, cells }
+    }
+
+    #[test]
+    fn a_field_has_the_cells_of_the_regions_and_of_the_reach() {
+        let size = Size { width: 100, height: 200 };
+        let within = |reach: Rect| Field::new(&pair(), &reach, size).unwrap();
+        let extent = |field: &Field| (field.left, field.top, field.columns, field.rows);
+        let own = within(Rect::new(82.0, 122.0, 4.0, 2.0));
+        assert_eq!(extent(&own), (20, 30, 2, 2), "of the row below one is reached");
+        assert_eq!((own.side, own.weight), (4.0, CELL_WEIGHT));
+        assert_eq!(extent(&within(Rect::new(70.0, 100.0, 28.0, 42.0))), (17, 25, 8, 11));
+        assert_eq!(extent(&within(Rect::new(-50.0, -50.0, 900.0, 900.0))), (0, 0, 26, 51), "in the image");
+        let cover = |field: &Field, column: u32, row: u32| {
+            field.cells[((row - field.top) * field.columns + column - field.left) as usize]
+        };
+        let field = within(Rect::new(70.0, 100.0, 28.0, 42.0));
+        assert_eq!((cover(&field, 20, 30).cover, cover(&field, 20, 30).colour), (1.0, [100.0, 0.0, 8.0]));
+        assert_eq!((cover(&field, 21, 30).cover, cover(&field, 21, 30).colour), (0.5, [40.0, 0.0, 8.0]));
+        assert_eq!(field.cells.iter().map(|cell| cell.cover).sum::<f32>(), 1.5);
+    }
+
+    #[test]
+    fn a_large_field_joins_cells() {
+        let size = Size { width: 2000, height: 2000 };
+        // Columns 11 to 161 and rows 15 to 115: 15,000 cells.
+        let field = Field::new(&pair(), &Rect::new(44.0, 60.0, 596.0, 396.0), size).unwrap();
+        assert_eq!((field.side, field.left, field.top, field.columns, field.rows), (8.0, 5, 7, 76, 51));
+        assert!(close(field.weight, 4.0 * CELL_WEIGHT));
+        // Three eighths of a cell of 8 pixels, two thirds of them of the first colour.
+        let cell = field.cells[(8 * 76 + 5) as usize];
+        assert!(close(cell.cover, 0.375) && close(cell.colour[0], 80.0), "{} {:?}", cell.cover, cell.colour);
+        assert_eq!(field.cells.iter().filter(|cell| cell.cover > 0.0).count(), 1);
+        let (index, x, y) = field.within(&Rect::new(80.0, 120.0, 8.0, 8.0)).next().unwrap();
+        assert_eq!((index, x, y), (8 * 76 + 5, 84.0, 124.0));
+    }
+
+    #[test]
+    fn the_cells_of_a_box_are_those_whose_middles_it_contains() {
+        let field = Field::new(&pair(), &Rect::new(70.0, 100.0, 28.0, 42.0), SIZE).unwrap();
+        // Columns 17 to 25, rows 25 to 36.
+        let cells: Vec<_> = field.within(&Rect::new(82.0, 121.0, 8.5, 5.5)).collect();
+        assert_eq!(
+            cells,
+            [
+                (43, 82.0, 122.0),
+                (44, 86.0, 122.0),
+                (45, 90.0, 122.0),
+                (51, 82.0, 126.0),
+                (52, 86.0, 126.0),
+                (53, 90.0, 126.0)
+            ]
+        );
+        assert_eq!(field.within(&Rect::new(0.0, 0.0, 400.0, 300.0)).count(), field.cells.len());
+        assert_eq!(field.within(&Rect::new(0.0, 0.0, 70.0, 300.0)).next(), None);
+    }
+
+    #[test]
+    fn a_colour_is_the_likelier_the_nearer() {
+        assert_eq!(colour_likelihood([10.0, 90.0, 30.0], [10.0, 90.0, 30.0]), 8.25);
+        assert!(close(colour_likelihood([10.0, 90.0, 30.0], [10.0, 45.0, 30.0]), 2.25));
+        assert!(close(colour_likelihood([10.0, 90.0, 30.0], [46.0, 63.0, 30.0]), 2.25));
+    }
+
+    /// The log-likelihood of a field by its definition: through the cells one by one, in each through the objects from
+    /// the front.
+    fn reference(objects: &[LocalisedObject], field: &Field) -> f64 {
+        let mut sum = 0.0;
+        for (index, cell) in field.cells.iter().enumerate() {
+            let (column, row) =
+                (index as u32 % field.columns + field.left, index as u32 / field.columns + field.top);
+            let (x, y) = ((column as f32 + 0.5) * field.side, (row as f32 + 0.5) * field.side);
+            let (mut colour, mut free) = (0.0, 1.0);
+            for object in objects {
+                let bbox = object.bbox();
+                if x < bbox.x || x >= bbox.right() || y < bbox.y || y >= bbox.bottom() {
+                    continue;
+                }
+                let element = template_element(object, object.centre, x, y);
+                let squared: f32 = element.colour.iter().zip(cell.colour).map(|(a, b)| (a - b).powi(2)).sum();
+                let near = 1.0 / (1.0 + f64::from(squared) / 2025.0);
+                colour += free * f64::from(element.cover) * (0.25 + 8.0 * near * near);
+                free *= 1.0 - f64::from(element.cover);
+            }
+            let cover = f64::from(cell.cover);
+            sum += cover * (colour + 0.03).ln() + (1.0 - cover) * (free + 0.03).ln();
+        }
+        0.1 * sum + objects.iter().map(|object| f64::from(object.prior(object.centre))).sum::<f64>()
+    }
+
+    /// Three people, one behind the other, in a region that hides and frays parts of them.
+    fn crowd(templates: &[Template; 3]) -> ([LocalisedObject<'_>; 3], Field) {
+        let mut all = blank();
+        paint(&mut all, 44, 30, 60, 20);
+        paint(&mut all, 40, 30, 220, 160);
+        for (index, cell) in all.cells.iter_mut().enumerate() {
+            cell.pixels = cell.pixels.saturating_sub(index as u32 * 7 % 12);
+        }
+        let mut objects = [
+            at(&templates[0], [171.0, 166.0]),
+            at(&templates[1], [183.0, 158.0]),
+            at(&templates[2], [199.0, 154.0]),
+        ];
+        objects[0].predicted = [180.0, 160.0];
+        objects[2].size = (40.0, 90.0);
+        (objects, field(&all))
+    }
+
+    fn templates() -> [Template; 3] {
+        // Elements that are covered in a part of the frames only.
+        let mut other = blank();
+        paint(&mut other, 20, 20, 140, 90);
+        other
+            .cells
+            .iter_mut()
+            .enumerate()
+            .for_each(|(at, cell)| cell.pixels = cell.pixels.min(at as u32 % 17));
+        let mut frayed = [template(220, 160), template(120, 90), template(60, 20)];
+        for template in &mut frayed {
+            template.update(&other, &Rect::new(80.0, 80.0, 32.0, 80.0));
+        }
+        frayed
+    }
+
+    #[test]
+    fn the_log_likelihood_is_that_of_the_cells_one_by_one() {
+        let templates = templates();
+        let (mut objects, field) = crowd(&templates);
+        for _ in 0..3 {
+            let (found, expected) = (log_likelihood(&objects, &field), reference(&objects, &field));
+            assert!((f64::from(found) - expected).abs() < 0.02, "{found} {expected}");
+            objects.rotate_left(1);
+        }
+    }
+
+    #[test]
+    fn the_gain_of_an_object_is_the_difference_that_it_makes() {
+        let templates = templates();
+        let (objects, field) = crowd(&templates);
+        for index in 0..3 {
+            let mut all = objects.clone();
+            let mut others = objects.to_vec();
+            others.remove(index);
+            let amid = LayeredObject::new(&mut all, index).unwrap();
+            let others_alone = without(&amid, &field);
+            let object = &objects[index];
+            for centre in [object.centre, [object.centre[0] + 6.0, object.centre[1] - 4.0]] {
+                let gain = log_likelihood_gain(object, centre, &others_alone, &field) + object.prior(centre);
+                let mut moved = objects.to_vec();
+                moved[index].centre = centre;
+                let expected = reference(&moved, &field) - reference(&others, &field);
+                assert!((f64::from(gain) - expected).abs() < 0.02, "{index}: {gain} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_visible_share_is_the_gain_per_cell_relative_to_the_largest() {
+        let templates = templates();
+        let (mut objects, field) = crowd(&templates);
+        let [front, middle, _] = [0, 1, 2].map(|index| {
+            let mut others = objects.to_vec();
+            others.remove(index);
+            let gain = reference(&objects, &field) - reference(&others, &field);
+            let object = &objects[index];
+            let covers = field.within(&object.bbox());
+            let full: f32 = covers.map(|(_, x, y)| template_element(object, object.centre, x, y).cover).sum();
+            let gain = gain - f64::from(object.prior(object.centre));
+            let expected = (gain / f64::from(0.1 * 5.5 * full)).clamp(0.0, 1.0);
+            measure_visible_share(&mut objects, index, &field);
+            assert!(
+                (f64::from(objects[index].visible_share) - expected).abs() < 0.002,
+                "{index}: {expected}"
+            );
+            expected
+        });
+        assert!(front > 0.1 && middle < 1.0 && front < 1.0, "{front} {middle}");
+    }
+
+    #[test]
+    fn an_object_is_moved_until_no_neighbouring_place_is_better() {
+        let templates = templates();
+        let (mut objects, field) = crowd(&templates);
+        let before = reference(&objects, &field);
+        assert!(hill_climb(&mut objects, 0, &field));
+        let found = reference(&objects, &field);
+        assert!(found > before + 1.0, "{before} {found}");
+        for (dx, dy) in [(-2.0, 0.0), (2.0, 0.0), (0.0, -2.0), (0.0, 2.0)] {
+            let mut moved = objects.clone();
+            moved[0].centre = [moved[0].centre[0] + dx, moved[0].centre[1] + dy];
+            assert!(reference(&moved, &field) < found + 1e-3, "{dx} {dy}");
+        }
+        let at_best = objects[0].centre;
+        assert!(!hill_climb(&mut objects, 0, &field));
+        assert_eq!(objects[0].centre, at_best);
+        localise(&mut objects, &field);
+        let together = objects.each_ref().map(|object| object.centre);
+        localise(&mut objects, &field);
+        assert_eq!(objects.each_ref().map(|object| object.centre), together, "all are at their best places");
+    }
+
+    #[test]
+    fn the_unexplained_part_has_the_mean_place_of_its_cells() {
+        // In columns 20 to 22 of row 30: full, three quarters, and a quarter, which is too little.
+        let cells = [16, 12, 4].map(|pixels| Cell { pixels, colour: [90; 3] });
+        let mosaic = Mosaic { side: 4, left: 20, top: 30, columns: 3, cells: cells.to_vec() };
+        let field = Field::new(&mosaic, &Rect::new(60.0, 100.0, 60.0, 40.0), SIZE).unwrap();
+        let [x, y] = unexplained_centre(&[], &field).unwrap();
+        assert!(close(x, (82.0 + 0.75 * 86.0) / 1.75) && close(y, 122.0), "{x} {y}");
+        let template = template(220, 160);
+        // Its box ends between the two, so that the second alone is left.
+        let [x, y] = unexplained_centre(&[at(&template, [68.0, 130.0])], &field).unwrap();
+        assert!(close(x, 86.0) && close(y, 122.0), "{x} {y}");
+    }
 }

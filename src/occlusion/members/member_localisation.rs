@@ -94,9 +94,12 @@ pub(super) fn localisation_input(object: &Object) -> Option<LocalisedObject<'_>>
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
     use super::*;
-    use crate::occlusion::fixtures::{BLUE, RED, context, person, shared_detection, start_group};
+    use crate::occlusion::fixtures::{
+        BLUE, RED, context, person, shared_detection, start_confirmed, start_group,
+    };
+    use crate::regions::Rect;
 
     #[test]
     fn members_are_localised_where_their_colours_are() {
@@ -126,5 +129,55 @@ mod tests {
         let (red, blue) = (table.get(red).unwrap(), table.get(blue).unwrap());
         assert_eq!((red.unseen_frames, blue.unseen_frames), (0, 1));
         assert_eq!(blue.model.centre(), [114.0, 110.0]);
+    }
+
+    #[test]
+    fn a_place_is_the_less_certain_the_larger_faster_and_longer_unseen_a_member_is() {
+        let (mut table, context) = (ObjectTable::default(), context(2));
+        let id = start_confirmed(&context, &mut table, person(100.0, 80.0), RED, [3.0, 4.0]);
+        let object = table.get_mut(id).unwrap();
+        let sigmas = [0, 3, 10, 30].map(|unseen_frames| {
+            object.unseen_frames = unseen_frames;
+            localisation_input(object).unwrap().position_sigma
+        });
+        let expected = [1.0, 4.0, 11.0, 11.0].map(|frames| 2.8 + 1.5 * frames);
+        assert!(sigmas.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-4), "{sigmas:?}");
+    }
+
+    #[test]
+    fn the_lowest_member_is_the_first() {
+        let (mut table, context) = (ObjectTable::default(), context(2));
+        let red = Rect::new(100.0, 80.0, 20.0, 60.0);
+        // Its foot is lower, though its centre is higher; and the other way round.
+        for (blue, first) in
+            [(Rect::new(130.0, 60.0, 20.0, 90.0), 1), (Rect::new(130.0, 45.0, 20.0, 90.0), 0)]
+        {
+            let members = start_group(&context, &mut table, red, blue);
+            let seen = shared_detection(&[(red, RED), (blue, BLUE)]);
+            let (ids, ..) = localisation_inputs(&context, &table, &members, &seen).unwrap();
+            assert_eq!(ids[0], members[first]);
+        }
+    }
+
+    #[test]
+    fn the_order_in_depth_is_the_one_that_explains_the_region() {
+        let context = context(2);
+        let (left, right) = (person(100.0, 80.0), person(110.0, 80.0));
+        for blue_in_front in [true, false] {
+            let mut table = ObjectTable::default();
+            let [red, blue] = start_group(&context, &mut table, left, right);
+            let (red_width, blue_from) = if blue_in_front { (10.0, 110.0) } else { (20.0, 120.0) };
+            let seen = shared_detection(&[
+                (Rect::new(100.0, 80.0, red_width, 60.0), RED),
+                (Rect::new(blue_from, 80.0, 130.0 - blue_from, 60.0), BLUE),
+            ]);
+            for members in [[red, blue], [blue, red]] {
+                localise_members(&context, &mut table, &members, &seen);
+                let share = |id: ObjectId| table.get(id).unwrap().visible_share_in_group;
+                let (front, behind) = if blue_in_front { (blue, red) } else { (red, blue) };
+                let shares = (share(front), share(behind));
+                assert!(shares.0 > 0.75 && (0.3..0.8).contains(&shares.1), "{blue_in_front} {shares:?}");
+            }
+        }
     }
 }

@@ -130,9 +130,11 @@ fn add_to_group(
 mod tests {
     #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
     use super::*;
-    use crate::occlusion::fixtures::{BLUE, RED, context, person, shared_detection, start_confirmed};
+    use crate::occlusion::fixtures::{
+        BLUE, RED, context, person, shared_detection, start_confirmed, start_group,
+    };
     use crate::occlusion::state::context::FrameRef;
-    use crate::regions::Rgb;
+    use crate::regions::{Rect, Rgb};
 
     /// Searches for an occluded blue person beside a visible red one, whose region shows these boxes.
     fn search_in(seen: &[(crate::regions::Rect, Rgb)]) -> (ObjectTable, Decisions) {
@@ -160,5 +162,59 @@ mod tests {
         let (table, decisions) = search_in(&[(person(100.0, 80.0), RED)]);
         assert_eq!(table.blobs()[0].members(), [1]);
         assert!(decisions.reappearances.is_empty());
+    }
+
+    #[test]
+    fn the_evidence_says_for_how_long_an_object_was_occluded() {
+        let (table, decisions) = search_in(&[(person(100.0, 80.0), RED), (person(120.0, 80.0), BLUE)]);
+        let evidence = &decisions.reappearances[0].event.evidence;
+        assert_eq!(evidence.comparisons[0].value, 4.0);
+        let cause = table.groups().cause_of_joining(&[2]).unwrap();
+        assert_eq!(cause.evidence.comparisons[0].value, 4.0);
+    }
+
+    /// Whether a blue person that lost its region is found in one that a red person shares.
+    fn is_found(change: impl FnOnce(&mut ObjectTable, &mut Context, [ObjectId; 2])) -> bool {
+        let (mut table, mut decisions, mut now) = (ObjectTable::default(), Decisions::default(), context(6));
+        let red = start_confirmed(&context(1), &mut table, person(100.0, 80.0), RED, [0.0; 2]);
+        let blue = start_confirmed(&context(1), &mut table, person(124.0, 80.0), BLUE, [0.0; 2]);
+        let seen = [(person(100.0, 80.0), RED), (person(120.0, 80.0), BLUE)];
+        table.blob_mut(0).unwrap().detection = Some(shared_detection(&seen));
+        table.blob_mut(1).unwrap().detection = None;
+        change(&mut table, &mut now, [red, blue]);
+        let found = try_reidentify_in_group(&now, &mut table, &mut decisions, blue);
+        assert_eq!(table.blob_of(blue) == table.blob_of(red), found);
+        found
+    }
+
+    #[test]
+    fn an_object_that_lost_its_region_is_found_in_that_of_a_confirmed_one_within_reach() {
+        assert!(is_found(|_, _, _| {}));
+        assert!(!is_found(|_, now, _| now.settings.find_again = Switch::Off));
+        assert!(!is_found(|table, _, [red, _]| table.get_mut(red).unwrap().confirmed = false));
+        assert!(!is_found(|table, _, [_, blue]| table.get_mut(blue).unwrap().set_centre([300.0, 110.0])));
+        // A region as large as one of them shows one.
+        assert!(!is_found(|table, _, _| {
+            let seen = [(person(100.0, 80.0), RED), (Rect::new(120.0, 80.0, 2.0, 60.0), BLUE)];
+            table.blob_mut(0).unwrap().detection = Some(shared_detection(&seen));
+        }));
+    }
+
+    /// An unseen member of one group in the region of another person that it is beside.
+    #[test]
+    fn a_member_that_was_not_visible_for_two_frames_is_found_in_another_region() {
+        for (unseen_frames, found) in [(1, false), (2, true)] {
+            let (mut table, mut decisions) = (ObjectTable::default(), Decisions::default());
+            let [red, blue] = start_group(&context(1), &mut table, person(100.0, 80.0), person(124.0, 80.0));
+            let other = start_confirmed(&context(1), &mut table, person(144.0, 80.0), RED, [0.0; 2]);
+            table.blob_mut(0).unwrap().detection = Some(shared_detection(&[(person(100.0, 80.0), RED)]));
+            let seen = [(person(124.0, 80.0), BLUE), (person(144.0, 80.0), RED)];
+            table.blob_mut(1).unwrap().detection = Some(shared_detection(&seen));
+            table.get_mut(blue).unwrap().unseen_frames = unseen_frames;
+            reidentify_unseen_members(&context(6), &mut table, &mut decisions);
+            let joined = if found { other } else { red };
+            assert_eq!(table.blob_of(blue), table.blob_of(joined), "{unseen_frames}");
+            assert!(decisions.reappearances.is_empty(), "it was in a group");
+        }
     }
 }

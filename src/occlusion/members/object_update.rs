@@ -185,4 +185,23 @@ mod tests {
         update_objects(&context(2), &mut table, &Decisions::default(), &mut Perspective::default());
         assert_eq!(table.get(id).unwrap().partial_frames, 1);
     }
+
+    #[test]
+    fn what_seems_a_part_for_long_is_the_whole() {
+        let context = context(2);
+        let whole = detection(Rect::new(100.0, 80.0, 40.0, 60.0), RED);
+        let part = detection(Rect::new(100.0, 80.0, 20.0, 60.0), RED);
+        let mut known = crate::occlusion::fixtures::object(&context, 1, &whole, [0.0; 2]);
+        known.appearance = Some(crate::occlusion::state::object::Appearance::new(&whole, [0.0; 2]));
+        let (soon, late) = (context.limits.relearn_frames, context.limits.max_hidden_frames);
+        assert!(soon < late);
+        let mut shows = |frames: u32, moved: f32| {
+            known.partial_frames = frames;
+            known.partial_start = [known.model.centre()[0] - moved, known.model.centre()[1]];
+            shows_part(&context, &known, &part)
+        };
+        assert_eq!([shows(0, 0.0), shows(soon - 1, 50.0), shows(soon, 50.0)], [true, true, false]);
+        assert_eq!([shows(soon, 0.0), shows(late - 1, 0.0), shows(late, 0.0)], [true, true, false]);
+        assert!(!shows_part(&context, &known, &whole));
+    }
 }

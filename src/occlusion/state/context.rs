@@ -178,3 +178,49 @@ impl Context {
         bbox.intersection(&image).area() <= 0.0
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn context(fps: f32) -> Context {
+        Context::new(&Settings::default(), Size::new(320, 240), fps)
+    }
+
+    #[test]
+    fn times_are_frames_of_the_video() {
+        let of = |fps: f32| {
+            let limits = context(fps).limits;
+            [limits.max_gap_frames, limits.head_count_frames, limits.relearn_frames, limits.edge_wait_frames]
+        };
+        assert_eq!(of(25.0), [5, 8, 38, 25]);
+        assert_eq!(of(50.0), [10, 15, 75, 50]);
+        assert_eq!(of(5.0)[..3], [3, 3, 10], "at low rates some frames at least");
+    }
+
+    #[test]
+    fn errors_of_rounding_are_whole_periods_and_gaps_count_as_long_as_they_are() {
+        let mut context = context(25.0);
+        // From the first frame on: a period, two, one and a millisecond, one and a half, none, backwards, a day.
+        let times = [3.0, 3.04, 3.12, 3.161, 3.221, 3.221, 3.1, 86_400.0];
+        let periods = times.map(|time| {
+            context.advance(7, time);
+            context.periods
+        });
+        let close = periods.iter().zip([1.0, 1.0, 2.0, 1.0, 1.5, 1.0, 1.0, 10_000.0]);
+        assert!(close.clone().all(|(a, b)| (a - b).abs() < 1e-3), "{periods:?}");
+        assert_eq!(context.now(), FrameRef { number: 7, index: 8, t: 10_009 });
+    }
+
+    #[test]
+    fn the_image_edge() {
+        let context = context(25.0);
+        let at = |x: f32, y: f32| Rect::new(x, y, 20.0, 60.0);
+        let outside = [at(-20.0, 90.0), at(320.0, 90.0), at(90.0, -60.0), at(90.0, 240.0)];
+        assert!(outside.iter().all(|bbox| context.is_outside(bbox)));
+        assert!(
+            ![at(-19.0, 90.0), at(319.0, 90.0), at(90.0, 239.0)].iter().any(|bbox| context.is_outside(bbox))
+        );
+        assert!(context.is_cut_off(&at(1.0, 90.0)) && !context.is_cut_off(&at(2.0, 90.0)));
+    }
+}

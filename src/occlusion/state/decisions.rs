@@ -122,3 +122,25 @@ impl Decisions {
         pending + self.occluders.len() + self.scene_episodes.len() + self.events.len()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn events_can_refer_to_the_members_of_open_episodes_and_pending_demerges() {
+        let mut decisions = Decisions::default();
+        decisions.group_episodes.record_sharing(&[(1, 1.0), (2, 1.0)], 5, 5, false);
+        decisions.demerges.push(PendingDemerge {
+            at: FrameRef { number: 5, index: 5, t: 5 },
+            members: vec![3, 4],
+            region_of: vec![0, 1],
+            regions: Vec::new(),
+            scores: Vec::new(),
+            decided: false,
+        });
+        let referred = [1, 2, 3, 4, 5].map(|id| decisions.has_reference_to(id));
+        assert_eq!(referred, [true, true, true, true, false]);
+        assert_eq!([2, 3].map(|id| decisions.has_demerge_of(id)), [false, true]);
+    }
+}

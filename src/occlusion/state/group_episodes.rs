@@ -152,3 +152,78 @@ impl GroupEpisodes {
         self.open.iter().chain(&self.closed).map(|episode| episode.members.len()).sum()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::indexing_slicing)]
+    use super::*;
+
+    fn taken(episodes: &mut GroupEpisodes) -> Vec<Episode> {
+        episodes.close_all();
+        episodes.take_closed(|id| (id != 9).then_some(id + 100))
+    }
+
+    #[test]
+    fn the_member_in_front_is_the_one_that_is_seen_clearly_more() {
+        let front = |shares: [f32; 2], overlapping: bool| {
+            let mut episodes = GroupEpisodes::default();
+            episodes.record_sharing(&[(1, shares[0]), (2, shares[1])], 5, 5, overlapping);
+            taken(&mut episodes)[0].front
+        };
+        assert_eq!(front([1.0, 0.5], true), Some(101));
+        assert_eq!(front([0.5, 1.0], true), Some(102));
+        assert_eq!(front([1.0, 0.75], true), None);
+        assert_eq!(front([1.0, 0.5], false), None, "not one before the other");
+        // Over several frames the differences from the mean add up.
+        let mut episodes = GroupEpisodes::default();
+        for t in 5..8 {
+            episodes.record_sharing(&[(1, 0.5), (2, 0.625)], t, t, true);
+        }
+        assert_eq!(taken(&mut episodes)[0].front, Some(102));
+    }
+
+    #[test]
+    fn episodes_that_come_together_become_one() {
+        let mut episodes = GroupEpisodes::default();
+        assert!(episodes.record_sharing(&[(1, 0.9), (2, 0.25)], 15, 5, true));
+        assert!(episodes.record_sharing(&[(3, 0.5), (4, 0.75)], 17, 7, true));
+        assert!(!episodes.record_sharing(&[(1, 0.75), (2, 0.75)], 18, 8, true));
+        assert_eq!(
+            (episodes.duration_of(1, 20), episodes.duration_of(3, 20), episodes.duration_of(5, 20)),
+            (15, 13, 0)
+        );
+        assert!(episodes.contains(4) && !episodes.contains(5));
+        episodes.mark_member_lost(2);
+        assert!(!episodes.record_sharing(&[(2, 0.5), (3, 0.5)], 19, 9, true));
+        assert_eq!((episodes.duration_of(4, 20), episodes.len()), (15, 4));
+        let found = taken(&mut episodes);
+        let [one] = &found[..] else { panic!("{found:?}") };
+        assert_eq!((&one.objects[..], one.start, one.end), (&[101, 102, 103, 104][..], 15, 19));
+        assert_eq!((one.least_visible, one.front, one.identities_kept), (0.25, None, false));
+    }
+
+    #[test]
+    fn an_episode_ends_after_its_members_were_apart_for_longer() {
+        let mut episodes = GroupEpisodes::default();
+        episodes.record_sharing(&[(1, 1.0), (2, 1.0)], 5, 5, false);
+        episodes.record_sharing(&[(8, 1.0), (9, 1.0)], 5, 5, false);
+        episodes.close(15, 10);
+        assert!(episodes.contains(1));
+        episodes.close(16, 10);
+        assert!(!episodes.contains(1));
+        assert_eq!(taken(&mut episodes).len(), 1, "of the other, one has no identity");
+    }
+
+    #[test]
+    fn an_episode_of_too_many_members_is_closed() {
+        let mut episodes = GroupEpisodes::default();
+        let pair = |id: ObjectId| [(0, 1.0), (id, 1.0)];
+        for id in 1..64 {
+            assert_eq!(episodes.record_sharing(&pair(id), id, id, false), id == 1);
+        }
+        assert!(!episodes.record_sharing(&pair(64), 64, 64, false), "64 members, and one more");
+        assert!(episodes.record_sharing(&pair(65), 65, 65, false));
+        let members: Vec<usize> = taken(&mut episodes).iter().map(|episode| episode.objects.len()).collect();
+        assert_eq!(members, [64, 2], "without the one that has no identity");
+    }
+}

@@ -128,3 +128,22 @@ pub(crate) fn partition(
 ) -> Vec<Vec<ObjectId>> {
     partition_by(members, place).into_iter().map(|(_, part)| part).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn causes_are_kept_from_a_frame_on() {
+        let mut groups = OcclusionGroups::default();
+        let cause = |frame: u32| GroupChange { frame, at: [0.0; 2], evidence: Evidence::of_branch("some") };
+        for (id, frame) in [(1, 4), (2, 5), (3, 6)] {
+            groups.record_joining(id, cause(frame));
+            groups.record_leaving(id + 10, cause(frame));
+        }
+        groups.drop_causes_before(5);
+        let joined = [1, 2, 3].map(|id| groups.cause_of_joining(&[id]).is_some());
+        let left = [11, 12, 13].map(|id| groups.cause_of_leaving(&BTreeSet::from([id])).is_some());
+        assert_eq!((joined, left), ([false, true, true], [false, true, true]));
+    }
+}

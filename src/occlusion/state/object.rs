@@ -459,6 +459,7 @@ pub(crate) fn template_of(detection: &Detection, settings: &Settings) -> Option<
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::indexing_slicing)]
     use super::*;
     use crate::tracking::kalman::Noise;
 
@@ -506,5 +507,249 @@ mod tests {
             object.update_scale(&perspective);
         }
         assert!((object.scale.ln() - 0.1).abs() < 0.01, "{}", object.scale);
+    }
+
+    fn detection(bbox: Rect, area: f32, colours: &[(Rgb, u32)]) -> Detection {
+        let mut histogram = Histogram::default();
+        for &(colour, pixels) in colours {
+            histogram.add_scaled(&crate::regions::colour::tests::histogram(&[(colour, 1)]), pixels as f32);
+        }
+        Detection { bbox, area, histogram, labels: vec![1], mosaic: Arc::default() }
+    }
+
+    const RED: Rgb = [200, 0, 0];
+    const BLUE: Rgb = [0, 0, 200];
+
+    /// A red object of 40 by 100 pixels, half of them filled, with its centre at (100, 100), that was seen clearly once.
+    fn object(velocity: [f32; 2]) -> Object {
+        let seen = detection(Rect::around([100.0, 100.0], 40.0, 100.0), 2000.0, &[(RED, 2000)]);
+        let noise = Noise { process: 0.5, measurement: 2.0 };
+        let speed = Vector3::new(velocity[0], velocity[1], 0.0);
+        let model = KalmanModel::new(seen.observation().measurement(), speed, 1.0, noise);
+        let first = (FrameRef { number: 1, index: 1, t: 1 }, seen.bbox);
+        let appearance = Some(Appearance::new(&seen, velocity));
+        Object { appearance, ..Object::new(1, first, model, seen) }
+    }
+
+    fn close(found: f32, expected: f32) -> bool {
+        (found - expected).abs() < 1e-4 * expected.abs().max(1.0)
+    }
+
+    #[test]
+    fn the_appearance_is_the_mean_of_the_first_clear_frames_and_follows_later_ones_slowly() {
+        let first = detection(Rect::new(10.0, 20.0, 40.0, 100.0), 2000.0, &[(RED, 1500), (BLUE, 500)]);
+        let second = detection(Rect::new(10.0, 50.0, 60.0, 80.0), 4000.0, &[(BLUE, 4000)]);
+        let mut clear = Appearance::new(&first, [2.0, 0.0]);
+        let of = |clear: &Appearance| {
+            let shares: Vec<f32> = clear.histogram.bins().map(|(_, bin)| bin.count).collect();
+            [
+                clear.w,
+                clear.h,
+                clear.area,
+                clear.y,
+                clear.velocity[0],
+                clear.velocity[1],
+                shares[0],
+                shares[1],
+            ]
+        };
+        let agree = |clear: &Appearance, expected: [f32; 8]| {
+            let found = of(clear);
+            assert!(found.iter().zip(expected).all(|(a, b)| close(*a, b)), "{found:?} {expected:?}");
+        };
+        agree(&clear, [40.0, 100.0, 2000.0, 70.0, 2.0, 0.0, 0.25, 0.75]);
+        clear.update(&second, [4.0, -2.0]);
+        agree(&clear, [50.0, 90.0, 3000.0, 80.0, 3.0, -1.0, 0.625, 0.375]);
+        clear.update(&first, [0.0, 5.0]);
+        agree(&clear, [140.0 / 3.0, 280.0 / 3.0, 8000.0 / 3.0, 230.0 / 3.0, 2.0, 1.0, 0.5, 0.5]);
+        assert_eq!(clear.frames, 3);
+        (0..17).for_each(|_| clear.update(&first, [2.0, 0.0]));
+        let [w, h, area, ..] = of(&clear);
+        clear.update(&second, [2.0, 0.0]);
+        let slowly = |before: f32, now: f32| 0.9 * before + 0.1 * now;
+        assert!(close(clear.w, slowly(w, 60.0)) && close(clear.h, slowly(h, 80.0)));
+        assert!(close(clear.area, slowly(area, 4000.0)));
+    }
+
+    #[test]
+    fn the_expected_size_follows_the_scale() {
+        let mut object = object([0.0; 2]);
+        object.scale = 1.5;
+        assert_eq!((object.size(), object.area()), ((60.0, 150.0), 4500.0));
+        assert_eq!((object.visible_share(900.0), object.visible_share(9000.0)), (0.2, 1.0));
+        let whole =
+            |h: f32, area: f32| object.is_nearly_whole(&detection(Rect::new(0.0, 0.0, 40.0, h), area, &[]));
+        assert!(whole(120.0, 3151.0));
+        assert!(!whole(119.0, 3151.0), "less than .8 of the height");
+        assert!(!whole(120.0, 3149.0), "less than .7 of the area");
+    }
+
+    #[test]
+    fn a_part_is_where_the_whole_can_be_around_it() {
+        let mut object = object([3.0, 1.0]);
+        object.model.set_velocity(Vector3::zeros());
+        // The right half, and of that the lower six tenths.
+        let part = detection(Rect::around([120.0, 130.0], 20.0, 60.0), 600.0, &[(RED, 600)]);
+        object.update_partial(&part);
+        assert_eq!(object.model.centre(), [110.0, 110.0]);
+        assert_eq!(
+            (object.partial_start, object.unconstrained_centre),
+            ([100.0, 100.0], Some([100.0, 100.0]))
+        );
+        assert_eq!((object.partial_frames, object.seen_frames, object.last_detection.area), (1, 2, 600.0));
+        let velocity = object.model.velocity();
+        assert_eq!((velocity.x, velocity.y), (3.0, 1.0), "that of its clear frames");
+        object.update_partial(&part);
+        assert_eq!((object.partial_frames, object.seen_frames), (2, 3));
+        assert_eq!((object.model.centre(), object.partial_start), ([110.0, 110.0], [100.0, 100.0]));
+        // Where it is wider than expected, its middle is that of the part.
+        object.update_partial(&detection(Rect::around([150.0, 90.0], 60.0, 120.0), 4000.0, &[]));
+        assert_eq!(object.model.centre(), [150.0, 90.0]);
+    }
+
+    #[test]
+    fn an_object_that_proved_to_be_another_continues_as_it() {
+        let mut known = object([0.0; 2]);
+        (known.seen_frames, known.partial_frames) = (7, 4);
+        let mut whole = object([0.0; 2]);
+        (whole.key, whole.seen_frames) = (9, 5);
+        whole.set_centre([150.0, 100.0]);
+        let mut part = whole.clone();
+        let seen = Rect::around([160.0, 100.0], 20.0, 100.0);
+        (part.last_detection.area, part.last_detection.bbox) = (900.0, seen);
+        let mut continued = known.clone();
+        continued.continue_as(whole);
+        assert_eq!((continued.key, continued.seen_frames, continued.partial_frames), (9, 12, 0));
+        assert_eq!(continued.model.centre(), [150.0, 100.0]);
+        known.continue_as(part);
+        assert_eq!((known.key, known.seen_frames, known.partial_frames), (9, 13, 5));
+        assert_eq!(known.model.centre(), [150.0, 100.0], "as near to its prediction as the part allows");
+        assert_eq!(known.last_detection.bbox, seen);
+    }
+
+    #[test]
+    fn the_place_is_uncertain_by_size_speed_and_time() {
+        let mut object = object([3.0, 4.0]);
+        object.unseen_frames = 4;
+        assert!(close(object.position_sigma(None), 15.0));
+        assert!(close(object.position_sigma(Some(6)), 15.0 + 0.25 * 5.0 * 6.0));
+        object.template = Some(Template::new(&Mosaic::default(), &Rect::default()));
+        assert!(close(object.position_sigma(Some(6)), 15.0 + 0.25 * 5.0 * 4.0));
+        assert!(close(object.stationary_radius(16), 60.0 + 4.0));
+        assert!(close(object.reappearance_radius(16), 64.0 + 0.5 * 5.0 * 16.0));
+    }
+
+    #[test]
+    fn a_localised_place_counts_by_the_visible_share() {
+        let mut object = object([3.0, 0.0]);
+        object.unseen_frames = 5;
+        let mut model = object.model.clone();
+        model.update(&Vector3::new(108.0, 97.0, model.scale()), 4.0);
+        object.constrain_centre([90.0, 90.0]);
+        object.update_position([108.0, 97.0], 0.25);
+        assert_eq!((&object.model, object.unseen_frames), (&model, 0));
+    }
+
+    #[test]
+    fn an_appearance_of_two_side_by_side_is_dropped() {
+        let mut object = object([0.0; 2]);
+        let kept = [true, true, false, true, true].map(|beside| {
+            object.record_side_by_side(beside);
+            object.appearance.is_some()
+        });
+        assert_eq!(kept, [true, true, true, true, false]);
+    }
+
+    #[test]
+    fn an_appearance_is_learnt_from_the_whole_or_from_more_of_it() {
+        use crate::regions::mosaic::Cell;
+        let settings = Settings { placing: Placing::Looks, ..Settings::default() };
+        let seen = |w: f32, grey: u8| {
+            let cells = vec![Cell { pixels: 4, colour: [grey; 3] }; 20 * 50];
+            let mosaic = Arc::new(Mosaic { side: 2, left: 0, top: 0, columns: 20, cells });
+            Detection { mosaic, ..detection(Rect::new(0.0, 0.0, w, 100.0), 50.0 * w, &[(RED, 10)]) }
+        };
+        let mut object = Object { appearance: None, ..object([0.0; 2]) };
+        let mut after = |w: f32, grey: u8, cut_off: bool| {
+            object.update_appearance(&seen(w, grey), cut_off, &settings);
+            let template = object.template.as_ref().map_or(-1.0, |it| it.at(0.5, 0.5).colour[0]);
+            (object.appearance.as_ref().map(|clear| (clear.w, clear.frames)), template)
+        };
+        assert_eq!(after(20.0, 100, true), (None, 100.0), "a part, until more is seen");
+        assert_eq!(after(40.0, 100, false), (Some((40.0, 1)), 100.0));
+        assert_eq!(after(30.0, 200, true), (Some((40.0, 1)), 100.0), "a smaller part tells nothing");
+        assert_eq!(after(50.0, 200, true), (Some((45.0, 2)), 100.0), "a larger one tells its size");
+        assert_eq!(after(30.0, 220, false), (Some((40.0, 3)), 140.0));
+        assert_eq!(object.seen_frames, 6);
+    }
+
+    #[test]
+    fn an_object_has_moved_once_it_is_half_its_length_away() {
+        let moved_by = |x: f32, y: f32| {
+            let mut object = object([0.0; 2]);
+            let seen = Rect::around([100.0 + x, 100.0 + y], 40.0, 100.0);
+            object.last_detection = detection(seen, 1600.0, &[(RED, 1600)]);
+            object
+        };
+        assert!(moved_by(12.0, -16.0).has_moved() && moved_by(0.0, 20.0).has_moved());
+        assert!(!moved_by(12.0, 15.0).has_moved() && !moved_by(19.0, 0.0).has_moved());
+        let known = object([0.0; 2]);
+        assert!(moved_by(0.0, 0.0).may_match(&known), "as large as the one that is sought");
+        let mut part = moved_by(0.0, 0.0);
+        part.last_detection.area = 1300.0;
+        assert!(!part.may_match(&known));
+        part.last_detection.bbox = Rect::around([130.0, 100.0], 40.0, 100.0);
+        assert!(part.may_match(&known));
+    }
+
+    #[test]
+    fn colours_are_compared_by_the_clear_appearance_or_by_the_last_frame() {
+        let mut object = object([0.0; 2]);
+        let now = detection(object.first_bbox, 1000.0, &[(BLUE, 600), (RED, 400)]);
+        object.last_detection = now.clone();
+        let settings =
+            |colour_memory, same_colour| Settings { same_colour, colour_memory, ..Settings::default() };
+        let (clear, frame) = (settings(ColourMemory::Clear, 10.0), settings(ColourMemory::Frame, 10.0));
+        assert_eq!((object.colours(&clear), object.colours(&frame)), (vec![RED], vec![BLUE]));
+        let near = |(similarity, least): (f32, f32), expected: f32, delta: f32| {
+            assert!(close(similarity, expected) && close(least, delta), "{similarity} {least}");
+        };
+        near(object.colour_similarity(&now.histogram, &clear), 0.4 + 0.2, 0.0);
+        near(object.colour_similarity(&now.histogram, &frame), 1.0, 0.0);
+        let red = detection(object.first_bbox, 1000.0, &[(RED, 1000)]).histogram;
+        let apart = delta_e(RED, BLUE);
+        near(object.colour_similarity(&red, &frame), 0.0, apart);
+        near(object.colour_similarity(&red, &settings(ColourMemory::Frame, apart)), 1.0, apart);
+        let blue = detection(object.first_bbox, 1000.0, &[(BLUE, 1000)]).histogram;
+        near(object.colour_similarity(&blue, &clear), 0.0, apart);
+    }
+
+    #[test]
+    fn a_part_that_moved_farther_than_what_it_could_be_hidden_by_is_the_whole() {
+        let mut object = object([0.0; 2]);
+        let moved = |object: &Object, w: f32| {
+            object.has_moved_while_partial(&detection(Rect::new(0.0, 0.0, w, 50.0), 500.0, &[]))
+        };
+        // From (100, 100) by 25, where the whole is 40 wide and half of it 20.
+        object.set_centre([115.0, 120.0]);
+        assert!(moved(&object, 24.0) && moved(&object, 10.0));
+        assert!(!moved(&object, 25.0) && !moved(&object, 60.0));
+        object.set_centre([120.0, 100.0]);
+        assert!(!moved(&object, 10.0));
+        object.set_centre([100.0, 141.0]);
+        assert!(moved(&object, 60.0));
+    }
+
+    #[test]
+    fn an_appearance_learnt_anew_is_that_of_the_detection() {
+        let mut object = object([3.0, 1.0]);
+        object.scale = 2.0;
+        let seen = detection(Rect::new(90.0, 80.0, 30.0, 50.0), 900.0, &[(BLUE, 900)]);
+        object.relearn_appearance(&seen, &Settings::default());
+        let clear = object
+            .appearance
+            .as_ref()
+            .map(|clear| (clear.w, clear.h, clear.area, clear.velocity, clear.frames));
+        assert_eq!((clear, object.scale), (Some((30.0, 50.0, 900.0, [3.0, 1.0], 1)), 1.0));
     }
 }

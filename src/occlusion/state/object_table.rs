@@ -596,4 +596,31 @@ mod tests {
         assert_eq!((object.key, object.last_detection.bbox), (new, person(150.0, 80.0)));
         assert_eq!(table.take_assigned_identities(), [(known, 1), (new, 1)]);
     }
+
+    #[test]
+    fn identities_of_ended_objects_are_dropped_once_there_are_many() {
+        use crate::occlusion::fixtures::{RED, context, person, start_confirmed};
+        let (mut table, context) = (ObjectTable::default(), context(1));
+        let start =
+            |table: &mut ObjectTable| start_confirmed(&context, table, person(100.0, 80.0), RED, [0.0; 2]);
+        let (alive, renewed) = (start(&mut table), start(&mut table));
+        table.renew_key(renewed);
+        let key = table.get(renewed).unwrap().key;
+        let ended: Vec<ObjectId> = (0..MIN_PRUNED_IDENTITIES + 6)
+            .map(|_| {
+                let id = start(&mut table);
+                table.end_object(id);
+                id
+            })
+            .collect();
+        table.drop_empty_blobs();
+        // Four of each living object, and 64, may stay.
+        let before = table.identities.len();
+        assert!(before > 8 + MIN_PRUNED_IDENTITIES);
+        let needed = ended[3];
+        table.prune_identities(|id| id == needed);
+        let known = |id: ObjectId| table.identities.of(id).is_some();
+        assert!(known(alive) && known(renewed) && known(key) && known(needed));
+        assert!(!ended.iter().any(|&id| id != needed && known(id)));
+    }
 }

@@ -71,3 +71,62 @@ fn sample(mosaic: &Mosaic, bbox: &Rect) -> Vec<Element> {
     }
     elements
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::indexing_slicing)]
+    use super::*;
+    use crate::regions::mosaic::Cell;
+
+    const BBOX: Rect = Rect::new(80.0, 40.0, 32.0, 80.0);
+
+    /// A region whose cells of 4 pixels are the elements of [`BBOX`].
+    fn mosaic(cell: impl Fn(usize) -> Cell) -> Mosaic {
+        let cells = (0..COLUMNS * ROWS).map(cell).collect();
+        Mosaic { side: 4, left: 20, top: 10, columns: COLUMNS as u32, cells }
+    }
+
+    fn even(pixels: u32, grey: u8) -> Mosaic {
+        mosaic(|_| Cell { pixels, colour: [grey; 3] })
+    }
+
+    #[test]
+    fn an_element_has_the_cover_and_the_colour_of_its_cell() {
+        let template =
+            Template::new(&mosaic(|at| Cell { pixels: at as u32 % 16, colour: [at as u8; 3] }), &BBOX);
+        for (row, column) in (0..ROWS).flat_map(|row| (0..COLUMNS).map(move |column| (row, column))) {
+            let at = row * COLUMNS + column;
+            let (u, v) = ((column as f32 + 0.9) / COLUMNS as f32, (row as f32 + 0.1) / ROWS as f32);
+            let element = template.at(u, v);
+            assert_eq!(element.cover, (at % 16) as f32 / 16.0);
+            assert_eq!(element.colour, [if at.is_multiple_of(16) { 0.0 } else { at as f32 }; 3]);
+        }
+        assert_eq!(template.at(1.0, 1.0), template.at(0.99, 0.99), "the last one ends at the edge");
+        assert_eq!(template.at(1.0, 0.5), template.at(0.99, 0.5));
+        let beside = Template::new(&even(16, 90), &Rect::new(96.0, 40.0, 32.0, 80.0));
+        assert_eq!([beside.at(0.4, 0.5).cover, beside.at(0.6, 0.5).cover], [1.0, 0.0]);
+    }
+
+    #[test]
+    fn cover_and_colour_are_means_of_the_first_frames_and_follow_later_ones_slowly() {
+        let mut template = Template::new(&even(16, 100), &BBOX);
+        let mut after = |pixels: u32, grey: u8| {
+            template.update(&even(pixels, grey), &BBOX);
+            let element = template.at(0.5, 0.5);
+            (element.cover, element.colour[1])
+        };
+        let close = |(a, b): (f32, f32), (c, d): (f32, f32)| (a - c).abs() < 1e-4 && (b - d).abs() < 1e-2;
+        // A third of all covered points had the second colour.
+        assert!(close(after(8, 200), (0.75, 400.0 / 3.0)));
+        assert!(close(after(0, 0), (0.5, 400.0 / 3.0)));
+        assert!(close(after(16, 40), (0.625, 96.0)));
+        for _ in 0..40 {
+            after(16, 40);
+        }
+        let (cover, _) = after(16, 40);
+        assert!(close(after(0, 0), (0.9 * cover, after(0, 0).1)));
+        let (cover, grey) = after(0, 0);
+        let expected = cover + 0.1 * (1.0 - cover);
+        assert!(close(after(16, 250), (expected, grey + 0.1 / expected * (250.0 - grey))));
+    }
+}

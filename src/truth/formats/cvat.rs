@@ -103,6 +103,20 @@ mod tests {
     }
 
     #[test]
+    fn a_turned_box_is_the_one_around_it() {
+        let text = r#"<annotations><track id="1">
+    <box frame="0" rotation="30" xtl="0" ytl="10" xbr="20" ybr="20"/>
+    <box frame="1" rotation="0" xtl="0" ytl="10" xbr="20" ybr="20"/></track></annotations>"#;
+        let file = read_xml(text).unwrap();
+        let (sine, cosine) = 30.0_f64.to_radians().sin_cos();
+        let (w, h) = (20.0 * cosine + 10.0 * sine, 20.0 * sine + 10.0 * cosine);
+        let expected = [10.0 - w / 2.0, 15.0 - h / 2.0, w, h];
+        let found = file.boxes[&1][&1].0;
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?} {expected:?}");
+        assert_eq!(file.boxes[&2][&1], Bounds([0.0, 10.0, 20.0, 10.0]));
+    }
+
+    #[test]
     fn what_cannot_be_fails_with_its_line() {
         let images = "<annotations>\n<image id=\"0\" name=\"a.png\"/></annotations>";
         assert!(read_xml(images).unwrap_err().contains("CVAT for video"));
