@@ -306,7 +306,7 @@ pub(crate) mod tests {
                 let share =
                     |(a, b): (u8, u8)| [1.0, 0.5].get(usize::from(a.abs_diff(b))).copied().unwrap_or(0.0);
                 let expected: f32 = one.into_iter().zip(other).map(share).product();
-                assert_eq!(histogram.likeness(&colour(other)), expected, "{one:?} {other:?}");
+                assert_eq!(likeness(&histogram, &colour(other)), expected, "{one:?} {other:?}");
             }
         }
     }

@@ -499,7 +499,7 @@ mod tests {
         let innovation = {
             let mut before = blob(100.0, 50.0, 3.0);
             before.predict(1.0);
-            before.shown().model.distance_squared(&at(107.0, 52.0).measurement())
+            before.shown().model.expected_measurement(0.0).distance_squared(&at(107.0, 52.0).measurement())
         };
         let mean = EXPECTED_ERROR + (innovation - EXPECTED_ERROR) / settings.fitness_memory as f32;
         assert!((blobs[0].shown().fitness.mean_error - mean).abs() < 1e-4);
@@ -541,7 +541,7 @@ mod tests {
             let children = settings().branch(parents.iter(), &measured);
             let [with, without] = &children[..] else { panic!("{children:?}") };
             assert_eq!((with.matched, without.matched), (Some(0), None));
-            let innovation = parents[wins].model.innovation(&measured[0], 0.0);
+            let innovation = parents[wins].model.expected_measurement(0.0).innovation(&measured[0]);
             assert_eq!(with.score, parents[wins].score + innovation.log_likelihood());
             assert_eq!(without.score, first.max(second) - 0.5 * settings().gate);
         }

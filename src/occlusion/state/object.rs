@@ -461,6 +461,7 @@ pub(crate) fn template_of(detection: &Detection, settings: &Settings) -> Option<
 mod tests {
     #![allow(clippy::indexing_slicing)]
     use super::*;
+    use crate::regions::colour::delta_e;
     use crate::tracking::kalman::Noise;
 
     #[test]
