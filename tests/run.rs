@@ -465,8 +465,16 @@ fn an_object_in_the_first_frame_is_foreground_and_leaves_no_ghost() {
     // Neither the number of threads nor images of the model, which need single frames, change the results.
     let one = contents(&of("one", "60", &["--threads", "1", "--background", "--frames"]));
     for (file, bytes) in &frames {
-        assert!(one[file] == *bytes, "{file}");
+        assert!(file == "summary.json" || one[file] == *bytes, "{file}");
     }
+    let [mut summary, mut of_one] =
+        [&frames, &one].map(|files| serde_json::from_slice::<Value>(&files["summary.json"]).unwrap());
+    let lists = [&mut summary, &mut of_one].map(|it| it.as_object_mut().unwrap().remove("large_files"));
+    assert_eq!(
+        lists.map(Option::unwrap),
+        [serde_json::json!(["masks"]), serde_json::json!(["masks", "frames", "background"])]
+    );
+    assert_eq!(of_one, summary);
 }
 
 #[test]

@@ -506,3 +506,24 @@ fn masks_of_an_earlier_run_are_not_scored() {
     let line = fails(&["score", text(&results), "--truth", text(&truth)], 1);
     assert!(line.contains("earlier run") && line.contains("--masks"), "{line}");
 }
+
+/// Of boxes alone the meetings of true objects follow from their overlap.
+#[test]
+fn episodes_are_scored_against_true_boxes() {
+    let place = TestFolder::new();
+    let (video, results) = (place.path("video"), place.path("results"));
+    works(&["synth", "crossing", "--out", text(&video)]);
+    works(&["run", text(&video.join("crossing.mp4")), "--out", text(&results), "--quiet"]);
+    let truth = place.path("gt.txt");
+    fs::copy(video.join("truth/gt.txt"), &truth).unwrap();
+    let (score, told) = scores(text(&results), text(&truth), &[]);
+    let meetings = &score["meetings"];
+    let counts = ["truth", "found", "reported", "right"].map(|name| meetings[name].as_u64().unwrap());
+    assert_eq!(counts, [1; 4], "{score} {told}");
+    assert_eq!([&score["episode_recall"], &score["episode_precision"]], [1.0, 1.0]);
+    let printed = works(&["score", text(&results), "--truth", text(&truth)]);
+    assert!(printed.contains("1 of 1 true meeting found: recall 1.000  1 of 1 reported right"), "{printed}");
+    // Without the files of a run there is nothing to judge.
+    let (score, _) = scores(text(&results.join("tracks.csv")), text(&truth), &[]);
+    assert!(score["meetings"].is_null() && score["episode_recall"].is_null(), "{score}");
+}

@@ -347,7 +347,7 @@ fn without_a_terminal_only_details_are_printed() {
 fn wrong_usage_and_truth_are_told_in_a_line_before_any_work() {
     let place = TestFolder::new();
     let root = place.path("set");
-    write_data_set(&root, 12);
+    write_data_set(&root, 30);
     let (video, truth) = (root.join("boxed/block"), root.join("boxed/block/gt/gt.txt"));
     let (video, truth, out) = (text(&video), text(&truth), place.path("out"));
     let out = text(&out);

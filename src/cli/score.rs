@@ -21,6 +21,7 @@ use crate::truth::hota::Hota;
 use crate::truth::mask_score;
 use crate::truth::masks::MaskFiles;
 use crate::truth::measures::Measures;
+use crate::truth::meetings::MeetingScore;
 use crate::truth::run_summary::{self, MasksOfRun};
 use crate::truth::sequence_truth::{Occlusions, Scores, SequenceTruth};
 use crate::truth::survival::Survival;
@@ -157,9 +158,10 @@ impl Scored {
             if truth.occlusions.is_none() && scored.scores.masks.is_none() {
                 comparison.check_frames(&truth.path)?;
             }
-            let reported = truth.occlusions.as_ref().and(results.folder());
+            let reported =
+                results.folder().filter(|folder| truth.occlusions.is_some() || Occlusions::are_in(folder));
             let reported = reported.map(Occlusions::read).transpose()?;
-            scored.scores.add_tracks(&comparison, truth.occlusions.as_ref(), reported.as_ref());
+            scored.scores.add_tracks(&comparison, &truth, reported.as_ref());
             scored.add_notes(&comparison, &truth.path);
         }
         Ok(scored)
@@ -250,6 +252,14 @@ fn print(scores: &Scores, out: &mut impl Write) -> io::Result<()> {
             out,
             "occlusion {survived} of {identities} identities kept through {}",
             counted(*episodes, "occlusion episode", "occlusion episodes")
+        )?;
+    }
+    if let Some(MeetingScore { truth, found, recall, reported, right, precision }) = &scores.meetings {
+        writeln!(
+            out,
+            "episodes  {found} of {} found: recall {recall:.3}  {right} of {reported} reported right: \
+             precision {precision:.3}",
+            counted(*truth, "true meeting", "true meetings")
         )?;
     }
     for (title, found) in [("events", &scores.events), ("episodes", &scores.episodes)] {

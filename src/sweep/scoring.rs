@@ -43,7 +43,7 @@ pub fn measures(
         if truth.occlusions.is_none() && scores.masks.is_none() {
             comparison.check_frames(&truth.path)?;
         }
-        scores.add_tracks(&comparison, truth.occlusions.as_ref(), Some(&reported_occlusions(result)));
+        scores.add_tracks(&comparison, truth, Some(&reported_occlusions(result)));
     }
     Ok(scores.measures())
 }

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::event_scoring::{self, EventScore};
 use super::hota::Hota;
 use super::mask_measures::MaskMeasures;
+use super::meetings::MeetingScore;
 use super::summary::TrackScore;
 
 /// A measure as a column of a table.
@@ -211,9 +212,14 @@ impl Measures {
         of_masks && of_tracks && of_episodes
     }
 
+    /// Whether tracks were scored. Those of a scene without objects have no measure, but its episodes do.
+    pub fn are_of_tracks(&self) -> bool {
+        self.tracks.is_some() || self.episodes.is_some()
+    }
+
     /// Whether they are those that ground truth with masks, with tracks or with both permits.
     pub fn is_of(&self, masks: bool, tracks: bool) -> bool {
-        self.masks.is_some() == masks && self.tracks.is_some() == tracks
+        self.masks.is_some() == masks && self.are_of_tracks() == tracks
     }
 }
 
@@ -252,6 +258,12 @@ pub struct EpisodeMeasures {
     pub episode_recall: f64,
     /// The share of the reported episodes that are true; 1 if none was reported.
     pub episode_precision: f64,
+}
+
+impl From<&MeetingScore> for EpisodeMeasures {
+    fn from(score: &MeetingScore) -> Self {
+        Self { episode_recall: score.recall, episode_precision: score.precision }
+    }
 }
 
 impl From<&BTreeMap<String, EventScore>> for EpisodeMeasures {

@@ -3,7 +3,7 @@
 //! [`formats`] reads [`boxes`] of several formats, [`ignored`] drops what is not judged, [`clear_mot`], [`hota`] and
 //! [`survival`] score tracks, [`summary`] by all; [`masks`] reads masks of CDnet's levels, [`mask_score`] and
 //! [`mixture_score`] score pixels against them in counts of [`decisions`]; [`alignment`] finds frame numbers that fit better;
-//! [`event_scoring`] scores events and episodes of rendered scenes. [`result_source`] finds the kind of results that are
+//! [`event_scoring`] scores events and episodes of rendered scenes, [`meetings`] episodes where only boxes are known. [`result_source`] finds the kind of results that are
 //! scored, [`run_summary`] reads what a run states of its
 //! input, [`external`] reads the results of another method. [`sequence_truth`] is all of a sequence, of which [`comparison`] judges
 //! the frames that were [analysed](analysed_frames). [`measures`] are the main results of all under short names, and
@@ -25,6 +25,7 @@ pub mod mask_measures;
 pub mod mask_score;
 pub mod masks;
 pub mod measures;
+pub mod meetings;
 pub mod mixture_score;
 pub mod result_source;
 pub mod run_summary;

@@ -13,6 +13,7 @@ use super::formats::TrackFile;
 use super::mask_score::MaskScore;
 use super::masks::MaskFiles;
 use super::measures::Measures;
+use super::meetings::{self, MeetingScore};
 use super::summary::TrackScore;
 use super::{TruthError, TruthSource, counted, ignored};
 use crate::placement::Crop;
@@ -20,6 +21,10 @@ use crate::source::sequence_length;
 
 /// Largest deviation in frames of events and of the ends of episodes.
 pub const EVENT_TOLERANCE: u32 = 8;
+
+/// The files of events and episodes.
+const EVENTS: &str = "events.jsonl";
+const EPISODES: &str = "episodes.csv";
 
 /// Events and episodes, true or reported.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -31,11 +36,16 @@ pub struct Occlusions {
 }
 
 impl Occlusions {
+    /// Whether both files are in a folder.
+    pub fn are_in(folder: &Path) -> bool {
+        [EVENTS, EPISODES].iter().all(|name| folder.join(name).is_file())
+    }
+
     /// Reads `events.jsonl` and `episodes.csv` of a folder.
     pub fn read(folder: &Path) -> Result<Self, TruthError> {
         Ok(Self {
-            events: event_scoring::read_events(&folder.join("events.jsonl"))?,
-            episodes: event_scoring::read_episodes(&folder.join("episodes.csv"))?,
+            events: event_scoring::read_events(&folder.join(EVENTS))?,
+            episodes: event_scoring::read_episodes(&folder.join(EPISODES))?,
         })
     }
 }
@@ -48,6 +58,8 @@ pub struct SequenceTruth {
     pub tracks: Option<TrackFile>,
     /// The files of the true masks, in the frame numbers of the results.
     pub masks: Option<MaskFiles>,
+    /// Whether it is a scene written by `synth`.
+    pub is_scene: bool,
     /// The true events and episodes, in their own frame numbers.
     pub occlusions: Option<Occlusions>,
     /// What is added to its frame numbers.
@@ -77,6 +89,7 @@ impl SequenceTruth {
             path: path.to_owned(),
             tracks,
             masks: source.masks()?.map(|masks| masks.shifted(offset)),
+            is_scene: matches!(source, TruthSource::Scene(_)),
             occlusions,
             offset,
             length: length_of(path),
@@ -127,21 +140,30 @@ pub struct Scores {
     /// Of the occlusion episodes by kind.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub episodes: Option<BTreeMap<String, EventScore>>,
+    /// Of the occlusion episodes of several objects, where the truth has boxes only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub meetings: Option<MeetingScore>,
     /// Of the masks.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub masks: Option<MaskScore>,
 }
 
 impl Scores {
-    /// Scores the tracks, where a true box is judged, and, where both have them, the events and episodes.
+    /// Scores the tracks, where a true box is judged, and the reported events and episodes: against those of a scene, or, of
+    /// other ground truth, the episodes against the true boxes.
     pub fn add_tracks(
         &mut self,
         comparison: &Comparison<'_>,
-        truth: Option<&Occlusions>,
+        truth: &SequenceTruth,
         reported: Option<&Occlusions>,
     ) {
-        if let Some((truth, reported)) = truth.zip(reported) {
-            let people = event_scoring::people(&comparison.boxes, &comparison.found);
+        let people = || event_scoring::people(&comparison.boxes, &comparison.found);
+        if let Some(reported) = reported.filter(|_| !truth.is_scene && comparison.has_true_box()) {
+            self.meetings =
+                Some(meetings::score(&comparison.boxes, &reported.episodes, &people(), EVENT_TOLERANCE));
+        }
+        if let Some((truth, reported)) = truth.occlusions.as_ref().zip(reported) {
+            let people = people();
             let compare = |truth: &[ScoredEvent], reported: &[ScoredEvent]| {
                 let truth = comparison.analysed_events(truth);
                 event_scoring::compare(&truth, reported, &people, EVENT_TOLERANCE)
@@ -157,7 +179,7 @@ impl Scores {
         Measures {
             masks: self.masks.as_ref().map(Into::into),
             tracks: self.tracks.as_ref().map(Into::into),
-            episodes: self.episodes.as_ref().map(Into::into),
+            episodes: self.episodes.as_ref().map(Into::into).or(self.meetings.as_ref().map(Into::into)),
         }
     }
 }

@@ -36,32 +36,43 @@ pub struct Survival {
     pub survival: Option<f64>,
 }
 
-/// Scores `found` against `truth`.
-pub fn score(truth: &Boxes, found: &Boxes) -> Survival {
+/// The episodes of true boxes: two objects, in ascending order, and the first and last frame.
+pub(super) fn meetings(truth: &Boxes) -> Vec<([u32; 2], (u32, u32))> {
     let mut objects: BTreeMap<u32, BTreeMap<u32, Bounds>> = BTreeMap::new();
     for (frame, boxes) in truth {
         for (id, place) in boxes {
             objects.entry(*id).or_default().insert(*frame, *place);
         }
     }
-    let identities = matched_identities(truth, found);
-    let mut survival = Survival::default();
+    let mut meetings = Vec::new();
     for (a, boxes_a) in &objects {
         for (b, boxes_b) in objects.range((Bound::Excluded(*a), Bound::Unbounded)) {
-            for (start, end) in episodes(boxes_a, boxes_b) {
-                survival.episodes += 1;
-                survival.identities += 2;
-                let most = |object: u32, from: u32, to: u32| most_frequent(&identities, object, from, to);
-                let before = [a, b].map(|id| most(*id, start.saturating_sub(FRAMES_AROUND_EPISODE), start));
-                let after = [a, b].map(|id| {
-                    most(*id, end.saturating_add(1), end.saturating_add(1 + FRAMES_AROUND_EPISODE))
-                });
-                for (object, other) in [(0, 1), (1, 0)] {
-                    let is_kept = before[object].is_some() && before[object] == after[object];
-                    let is_distinct = before[object] != before[other] && after[object] != after[other];
-                    survival.survived += usize::from(is_kept && is_distinct);
-                }
-            }
+            meetings.extend(episodes(boxes_a, boxes_b).into_iter().map(|span| ([*a, *b], span)));
+        }
+    }
+    meetings
+}
+
+/// Whether two boxes overlap by so much that their objects meet.
+pub(super) fn overlap(a: &Bounds, b: &Bounds) -> bool {
+    a.shared(b) >= MIN_OVERLAP_SHARE * a.area().min(b.area())
+}
+
+/// Scores `found` against `truth`.
+pub fn score(truth: &Boxes, found: &Boxes) -> Survival {
+    let identities = matched_identities(truth, found);
+    let mut survival = Survival::default();
+    for (objects, (start, end)) in meetings(truth) {
+        survival.episodes += 1;
+        survival.identities += 2;
+        let most = |object: u32, from: u32, to: u32| most_frequent(&identities, object, from, to);
+        let before = objects.map(|id| most(id, start.saturating_sub(FRAMES_AROUND_EPISODE), start));
+        let after =
+            objects.map(|id| most(id, end.saturating_add(1), end.saturating_add(1 + FRAMES_AROUND_EPISODE)));
+        for (object, other) in [(0, 1), (1, 0)] {
+            let is_kept = before[object].is_some() && before[object] == after[object];
+            let is_distinct = before[object] != before[other] && after[object] != after[other];
+            survival.survived += usize::from(is_kept && is_distinct);
         }
     }
     survival.survival =
@@ -73,7 +84,7 @@ fn episodes(a: &BTreeMap<u32, Bounds>, b: &BTreeMap<u32, Bounds>) -> Vec<(u32, u
     let mut runs: Vec<(u32, u32)> = Vec::new();
     for (&frame, box_a) in a {
         let Some(box_b) = b.get(&frame) else { continue };
-        if box_a.shared(box_b) < MIN_OVERLAP_SHARE * box_a.area().min(box_b.area()) {
+        if !overlap(box_a, box_b) {
             continue;
         }
         match runs.last_mut() {

@@ -156,7 +156,7 @@ fn read(folder: &Path) -> anyhow::Result<(String, ScoredRun)> {
     let mut settings = Settings::default();
     settings.apply_toml(&text("settings.toml")?, &folder.join("settings.toml"))?;
     let Summary { version, input, analysed_share, timing } = summary;
-    let last = if score.measures.tracks.is_some() { Stage::Occlusion } else { Stage::Cleaning };
+    let last = if score.measures.are_of_tracks() { Stage::Occlusion } else { Stage::Cleaning };
     let roi = analysed_share.map(|_| Roi::read(&folder.join("roi.png"))).transpose()?;
     let conditions = (input.options, input.range, score.offset, roi.as_ref().map(hash_of_roi));
     let settings = settings_up_to(&settings, last);
