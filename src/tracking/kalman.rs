@@ -193,7 +193,7 @@ pub struct ExpectedMeasurement {
 
 impl ExpectedMeasurement {
     /// Whether a measurement may be within the gate, from its components alone: none of them is farther away than the whole
-    /// squared Mahalanobis length, `gate`. Most measurements are not, and are told from the others at once.
+    /// squared Mahalanobis length, `gate`. It excludes most of many measurements at little cost.
     pub fn may_reach(&self, measured: &Measurement, gate: f32) -> bool {
         // More than a rounded length differs from an exact one.
         let margin = 1.01 * gate;

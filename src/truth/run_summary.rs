@@ -160,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn the_masks_of_an_earlier_run_are_told_from_those_of_this_one() {
+    fn the_masks_of_an_earlier_run_are_distinguished_from_those_of_this_one() {
         let text = |large: &str| {
             format!(r#"{{"input":{{"frames":5,"first_frame":3,"last_frame":7}},"large_files":{large}}}"#)
         };

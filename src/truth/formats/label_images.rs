@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn labels_of_8_bits_are_told_from_masks() {
+    fn labels_of_8_bits_are_distinguished_from_masks() {
         let (colours, grays) = ([0, 0, 0, 128, 0, 0, 0, 128, 0], [0, 0, 0, 255, 255, 255, 170, 170, 170]);
         for (colours, is_labels) in [(colours, true), (grays, false)] {
             let folder = tempfile::tempdir().unwrap();
