@@ -23,6 +23,9 @@ const MASK_LEVEL: u16 = 127;
 /// Number of images, at equal steps, by which the kind of a folder is known.
 const SAMPLE: usize = 9;
 
+/// Largest number of pixels of an image with a palette.
+const MAX_PIXELS: u64 = 1 << 28;
+
 type Labels = ImageBuffer<Luma<u16>, Vec<u16>>;
 
 /// How labels are stored.
@@ -62,6 +65,10 @@ fn palette_indices(path: &Path) -> Option<(Labels, Depth)> {
         return None;
     }
     let (width, height, bits) = (info.width, info.height, info.bit_depth as usize);
+    // A header can claim anything; the other reader says that it is too large.
+    if u64::from(width) * u64::from(height) > MAX_PIXELS {
+        return None;
+    }
     let palette = info.palette.clone()?;
     let mut bytes = vec![0; reader.output_buffer_size()?];
     let line = reader.next_frame(&mut bytes).ok()?.line_size;
@@ -271,5 +278,26 @@ mod tests {
             let file = read(folder.path(), role).unwrap();
             assert_eq!((file.count(), file.ignored.len()), (2 - ignored, ignored), "{objects:?} {role:?}");
         }
+    }
+
+    #[test]
+    fn a_palette_image_that_claims_too_much_is_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("00001.png");
+        let mut encoder = png::Encoder::new(File::create(&path).unwrap(), 2, 2);
+        encoder.set_color(png::ColorType::Indexed);
+        encoder.set_depth(png::BitDepth::One);
+        encoder.set_palette([0, 0, 0, 200, 10, 10].as_slice());
+        encoder.write_header().unwrap().write_image_data(&[0x40, 0x80]).unwrap();
+        let labels = palette_indices(&path).unwrap().0;
+        assert_eq!(labels.into_raw(), [0, 1, 1, 0]);
+
+        // Width and height after the signature, the length and the name of the first chunk, whose checksum follows it.
+        let mut bytes = std::fs::read(&path).unwrap();
+        bytes[16..24].copy_from_slice(&[0x7f, 0xff, 0xff, 0xff, 0x7f, 0xff, 0xff, 0xff]);
+        let checksum = crc32fast::hash(&bytes[12..29]);
+        bytes[29..33].copy_from_slice(&checksum.to_be_bytes());
+        std::fs::write(&path, bytes).unwrap();
+        assert!(palette_indices(&path).is_none() && labels_in(&path).is_err());
     }
 }
