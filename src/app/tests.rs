@@ -494,6 +494,19 @@ fn settle(harness: &mut Harness<'_, Window>) {
     harness.step();
 }
 
+/// Draws frames until `found` gives something that a thread prepares.
+fn draw_until<T>(harness: &mut Harness<'_, Window>, found: impl Fn(&Harness<'_, Window>) -> Option<T>) -> T {
+    let started = Instant::now();
+    loop {
+        harness.step();
+        if let Some(found) = found(harness) {
+            return found;
+        }
+        assert!(started.elapsed() < Duration::from_mins(1), "it does not come");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
 fn ready(position: u32) -> (Harness<'static, Window>, RecordingPlayer) {
     window(Some(state(Phase::Ready, Some(position))), (1600.0, 1000.0), Theme::Dark)
 }

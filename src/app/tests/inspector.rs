@@ -127,14 +127,7 @@ fn given_to_clipboard<T>(
     harness: &mut Harness<'_, Window>,
     find: impl Fn(&egui::OutputCommand) -> Option<T>,
 ) -> T {
-    for _ in 0..1000 {
-        harness.step();
-        if let Some(found) = harness.output().platform_output.commands.iter().find_map(&find) {
-            return found;
-        }
-        std::thread::sleep(std::time::Duration::from_millis(10));
-    }
-    panic!("nothing was copied")
+    draw_until(harness, |harness| harness.output().platform_output.commands.iter().find_map(&find))
 }
 
 #[test]

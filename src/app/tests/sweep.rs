@@ -111,13 +111,7 @@ fn the_folder_of_a_sweep_can_be_dropped() {
     .unwrap();
     let (mut harness, _) = ready(58);
     harness.input_mut().dropped_files.push(Arc::new(Dropped(folder.path().into())));
-    for _ in 0..500 {
-        harness.step();
-        if harness.state().sweep_maps.is_open() {
-            break;
-        }
-        std::thread::sleep(std::time::Duration::from_millis(10));
-    }
+    draw_until(&mut harness, |harness| harness.state().sweep_maps.is_open().then_some(()));
     harness.run_steps(2);
     assert!(harness.query_by_label_contains("1 sequence, 1 combination of settings").is_some());
     harness.get_by_label("k=3: F 0.500");

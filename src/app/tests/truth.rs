@@ -225,14 +225,8 @@ fn ground_truth_can_be_dropped_on_a_video() {
     std::fs::write(&path, "59,1,20,20,30,50,1,1,1\n").unwrap();
     let (mut harness, scene) = ready(58);
     harness.input_mut().dropped_files.push(Arc::new(Dropped(path)));
-    for _ in 0..500 {
-        harness.step();
-        if harness.state().model.truth.is_some() {
-            break;
-        }
-        std::thread::sleep(std::time::Duration::from_millis(10));
-    }
-    assert!(harness.state().model.truth.as_ref().unwrap().boxes.is_some());
+    let truth = draw_until(&mut harness, |harness| harness.state().model.truth.clone());
+    assert!(truth.boxes.is_some());
     assert!(scene.asked.borrow().contains(&PlayerCall::Truth(true)));
 }
 
@@ -277,17 +271,8 @@ fn the_truth_beside_a_sequence_is_offered_until_it_is_loaded_or_dismissed() {
         |harness: &Harness<'_, Window>| harness.query_by_label("Load its ground truth").is_some();
     let name = folder.path().to_str().unwrap().to_owned();
     harness.state_mut().apply(&ctx, Command::Open(name.clone(), Start::First));
-    let until = |harness: &mut Harness<'_, Window>, holds: &dyn Fn(&Window) -> bool| {
-        for _ in 0..500 {
-            harness.step();
-            if holds(harness.state()) {
-                return;
-            }
-            std::thread::sleep(Duration::from_millis(10));
-        }
-        panic!("it never holds");
-    };
-    until(&mut harness, &|window| window.model.offered_truth.as_ref() == Some(&path));
+    let offered = draw_until(&mut harness, |harness| harness.state().model.offered_truth.clone());
+    assert_eq!(offered, path);
     harness.run_steps(3);
     assert!(is_offered(&harness));
     picture(&mut harness, "truth-offered");
@@ -302,7 +287,7 @@ fn the_truth_beside_a_sequence_is_offered_until_it_is_loaded_or_dismissed() {
     harness.state_mut().handle_result(&ctx, DialogResult::TruthOffered(name, Some(path.clone())));
     harness.run_steps(3);
     harness.get_by_label("Load its ground truth").click();
-    until(&mut harness, &|window| window.model.truth.is_some());
+    draw_until(&mut harness, |harness| harness.state().model.truth.clone());
     harness.run_steps(3);
     assert!(!is_offered(&harness));
 }
