@@ -26,6 +26,8 @@ pub struct ScoredKinds {
     pub masks: bool,
     /// The tracks and events.
     pub tracks: bool,
+    /// Whether there is a true box: without, tracks have no measure.
+    pub has_box: bool,
 }
 
 impl ScoredKinds {

@@ -18,7 +18,11 @@ use crate::truth::summary;
 
 /// What the ground truth of a sequence permits to score.
 pub fn scored_kinds(truth: &SequenceTruth) -> ScoredKinds {
-    ScoredKinds { masks: truth.masks.is_some(), tracks: truth.tracks.is_some() }
+    ScoredKinds {
+        masks: truth.masks.is_some(),
+        tracks: truth.tracks.is_some(),
+        has_box: truth.tracks.as_ref().is_some_and(|tracks| tracks.count() > 0),
+    }
 }
 
 /// The measures of an outcome over the `analysed` frames, as `score` computes them from the files of `run`. Fails if no

@@ -217,9 +217,9 @@ impl Measures {
         self.tracks.is_some() || self.episodes.is_some()
     }
 
-    /// Whether they are those that ground truth with masks, with tracks or with both permits.
-    pub fn is_of(&self, masks: bool, tracks: bool) -> bool {
-        self.masks.is_some() == masks && self.are_of_tracks() == tracks
+    /// Whether they are those that ground truth with masks, with boxes or with both permits.
+    pub fn is_of(&self, masks: bool, boxes: bool) -> bool {
+        self.masks.is_some() == masks && self.tracks.is_some() == boxes
     }
 }
 

@@ -172,7 +172,7 @@ impl Sweep<'_> {
             for (&combination, settings) in self.combinations {
                 let logged = self.log.row(&sequence.row_key(settings));
                 let kinds = sequence.kinds;
-                let logged = logged.filter(|row| row.measures.is_of(kinds.masks, kinds.tracks));
+                let logged = logged.filter(|row| row.measures.is_of(kinds.masks, kinds.has_box));
                 let logged = logged.map(|row| (row.seconds, row.measures));
                 let of_run = || results.and_then(|results| results.row(self.job, sequence, settings));
                 let of_run = || of_run().inspect(|_| taken += 1);

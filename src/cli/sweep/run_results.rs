@@ -120,7 +120,7 @@ impl RunResults {
             &settings_up_to(settings, kinds.last_stage()),
         );
         let run = self.rows.get(&key)?;
-        let is_whole = run.measures.is_of(kinds.masks, kinds.tracks);
+        let is_whole = run.measures.is_of(kinds.masks, kinds.has_box);
         // The video is older than the run, and the ground truth older than the score.
         let is_current =
             sequence.changed.iter().zip(&run.written).all(|(changed, written)| changed <= written);
