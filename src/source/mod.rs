@@ -39,7 +39,7 @@ use crate::frame::{Frame, Size};
 use crate::placement::Placement;
 use crate::settings::Settings;
 
-pub(crate) use image_file::has_image_name;
+pub(crate) use image_file::{MAX_PIXELS, has_image_name};
 pub use kind::SourceKind;
 pub use levels::{LevelRange, Levels};
 pub use name::{name_of, path_of, shown};

@@ -1,7 +1,10 @@
 //! Occluded objects: their end, and their re-identification as a new object (Algorithm 3).
 
+use std::cell::LazyCell;
+
 use crate::occlusion::event::{Event, EventKind, Evidence};
 use crate::occlusion::events::emission::emit_reappearance;
+use crate::occlusion::state::comparable_colours::ComparableColours;
 use crate::occlusion::state::context::Context;
 use crate::occlusion::state::decisions::{Decisions, PendingReappearance};
 use crate::occlusion::state::object::Object;
@@ -70,10 +73,12 @@ pub(super) fn try_match_reappearance(
     id: ObjectId,
 ) -> bool {
     let Some(new) = table.get(id) else { return false };
+    let settings = &context.settings;
+    let colours = LazyCell::new(|| ComparableColours::new(&new.last_detection.histogram, settings));
     let candidate = |occluded: &OccludedObject| {
         let past = table.get(occluded.id).filter(|past| new.may_match(past))?;
         let place = reappearance_place(context, past, occluded, &new.last_detection.bbox)?;
-        let (similarity, _) = past.colour_similarity(&new.last_detection.histogram, &context.settings);
+        let (similarity, _) = past.comparable_colours(settings).similarity(&colours, settings);
         (place.predicted || similarity >= MIN_COLOUR_SIMILARITY).then_some((place, similarity, *occluded))
     };
     let candidates: Vec<_> = table.occluded().iter().filter_map(candidate).collect();

@@ -10,6 +10,7 @@ use image::{DynamicImage, ImageBuffer, Luma};
 use rayon::prelude::*;
 
 use super::{Role, TrackFile};
+use crate::source::MAX_PIXELS;
 use crate::truth::boxes::Bounds;
 use crate::truth::masks::{is_mask_level, numbered_images};
 use crate::truth::{TruthError, counted};
@@ -22,9 +23,6 @@ const OBJECTS: std::ops::Range<u16> = 1000..3000;
 const MASK_LEVEL: u16 = 127;
 /// Number of images, at equal steps, by which the kind of a folder is known.
 const SAMPLE: usize = 9;
-
-/// Largest number of pixels of an image with a palette.
-const MAX_PIXELS: u64 = 1 << 28;
 
 type Labels = ImageBuffer<Luma<u16>, Vec<u16>>;
 
