@@ -6,6 +6,7 @@
 
 use std::sync::Arc;
 
+pub(crate) mod box_index;
 pub mod cleaning;
 pub mod colour;
 pub mod components;

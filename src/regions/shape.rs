@@ -112,6 +112,11 @@ impl Rect {
         self.x.min(self.y).min(right).min(bottom)
     }
 
+    /// The rectangle with its left and right edges moved outwards by `dx`, the other two by `dy`.
+    pub fn grown(&self, dx: f32, dy: f32) -> Self {
+        Self { x: self.x - dx, y: self.y - dy, w: self.w + 2.0 * dx, h: self.h + 2.0 * dy }
+    }
+
     /// The rectangle moved by (`dx`, `dy`).
     pub fn moved(&self, dx: f32, dy: f32) -> Self {
         Self { x: self.x + dx, y: self.y + dy, ..*self }

@@ -5,6 +5,7 @@
 //! (a hand, a foot) is beside a large one. Two objects side by side are neither.
 
 use crate::regions::Rect;
+use crate::regions::box_index::BoxIndex;
 
 /// Two regions are one above the other when they share at least this part of the narrower one's columns.
 pub const MIN_SHARED_COLUMNS: f32 = 0.5;
@@ -25,14 +26,18 @@ pub fn group_fragments(regions: &[(Rect, f32)], owners: &[Option<usize>], max_ga
     }
     // The nearest pairs first, so that a fragment between two objects goes to the nearer one.
     let mut pairs: Vec<(f32, usize, usize)> = Vec::new();
+    let index = BoxIndex::new(regions.iter().map(|(bbox, _)| *bbox));
     for (first, a) in regions.iter().enumerate() {
-        for (second, b) in regions.iter().enumerate().skip(first + 1) {
+        // The larger of two is within its reach of the smaller.
+        for second in index.meeting(&within_reach(a, max_gap)) {
+            let Some(b) = regions.get(second).filter(|_| second != first) else { continue };
             if let Some(gap) = fragment_gap(a, b).filter(|gap| *gap <= max_gap) {
-                pairs.push((gap, first, second));
+                pairs.push((gap, first.min(second), first.max(second)));
             }
         }
     }
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+    pairs.dedup();
     let mut group_of: Vec<usize> = (0..regions.len()).collect();
     for (_, first, second) in pairs {
         let (Some(&a), Some(&b)) = (group_of.get(first), group_of.get(second)) else { continue };
@@ -57,6 +62,12 @@ pub fn group_fragments(regions: &[(Rect, f32)], owners: &[Option<usize>], max_ga
     groups.into_iter().map(|(group, _)| group).filter(|group| !group.is_empty()).collect()
 }
 
+/// What is near enough to a region for `max_gap`, if the other one is not larger.
+fn within_reach((bbox, area): &(Rect, f32), max_gap: f32) -> Rect {
+    let reach = max_gap * bbox.w.max(bbox.h).max(area.sqrt()).max(1.0);
+    bbox.grown(reach, reach)
+}
+
 /// The gap between two regions relative to their size, `None` where their arrangement is not that of fragments.
 fn fragment_gap((a, a_area): &(Rect, f32), (b, b_area): &(Rect, f32)) -> Option<f32> {
     let [across, down] = a.gap(b);
@@ -74,6 +85,8 @@ fn fragment_gap((a, a_area): &(Rect, f32), (b, b_area): &(Rect, f32)) -> Option<
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     fn region(x: f32, y: f32, w: f32, h: f32) -> (Rect, f32) {
@@ -114,5 +127,19 @@ mod tests {
     fn without_a_gap_every_region_is_a_detection() {
         let regions = [region(100.0, 50.0, 20.0, 28.0), region(100.0, 78.0, 20.0, 28.0)];
         assert_eq!(group_fragments(&regions, &[None, None], 0.0), [[0], [1]]);
+    }
+
+    proptest! {
+        #[test]
+        fn of_two_fragments_one_is_within_reach_of_the_other(
+            first in prop::array::uniform4(1.0_f32..60.0),
+            second in prop::array::uniform4(1.0_f32..60.0),
+            max_gap in 0.01_f32..1.0,
+        ) {
+            let [a, b] = [first, second].map(|[x, y, w, h]| region(x, y, w, h));
+            let reaches = |a: &(Rect, f32), b: &(Rect, f32)| within_reach(a, max_gap).gap(&b.0) == [0.0; 2];
+            let fits = fragment_gap(&a, &b).is_some_and(|gap| gap <= max_gap);
+            prop_assert!(!fits || reaches(&a, &b) || reaches(&b, &a));
+        }
     }
 }

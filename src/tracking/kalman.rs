@@ -2,6 +2,8 @@
 
 use nalgebra::{Matrix3, Matrix3x6, Matrix6, Vector3, Vector6};
 
+use crate::regions::Rect;
+
 /// The noise of the process and of the measurements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
@@ -192,13 +194,12 @@ pub struct ExpectedMeasurement {
 }
 
 impl ExpectedMeasurement {
-    /// Whether a measurement may be within the gate, from its components alone: none of them is farther away than the whole
-    /// squared Mahalanobis length, `gate`. It excludes most of many measurements at little cost.
-    pub fn may_reach(&self, measured: &Measurement, gate: f32) -> bool {
+    /// The box that holds the position of every measurement within the gate, `gate` in squared Mahalanobis lengths: no
+    /// component of such a measurement is farther away than the whole.
+    pub fn reach(&self, gate: f32) -> Rect {
         // More than a rounded length differs from an exact one.
-        let margin = 1.01 * gate;
-        let difference = measured - self.mean;
-        !difference.iter().zip(&self.variances).any(|(offset, variance)| offset * offset > margin * variance)
+        let [x, y] = [self.variances.x, self.variances.y].map(|variance| 1.01 * (gate * variance).sqrt());
+        Rect::around([self.mean.x, self.mean.y], 2.0 * x, 2.0 * y)
     }
 
     /// The squared Mahalanobis length of the difference of a measurement; infinite where the covariance has no inverse.
@@ -372,9 +373,12 @@ mod tests {
             let (expected, gate) = (model.expected_measurement(0.0), chi_squared_3(0.99));
             let measured = model.measurement() + Vector3::from(offset);
             let is_within = expected.distance_squared(&measured) <= gate;
-            prop_assert!(!is_within || expected.may_reach(&measured, gate));
-            let far = measured.map(|value| value + 1000.0);
-            prop_assert!(!expected.may_reach(&far, gate));
+            let holds = |measured: Measurement| {
+                let [dx, dy] = expected.reach(gate).gap(&Rect::new(measured.x, measured.y, 0.0, 0.0));
+                dx == 0.0 && dy == 0.0
+            };
+            prop_assert!(!is_within || holds(measured));
+            prop_assert!(!holds(measured.map(|value| value + 1000.0)));
         }
     }
 

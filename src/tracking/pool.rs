@@ -1,13 +1,14 @@
 //! The pool of Kalman models: each moving region's competing hypotheses, matched to the regions of a frame (§VIII).
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Vector3;
 use pathfinding::matrix::Matrix;
-use pathfinding::prelude::kuhn_munkres;
+use pathfinding::prelude::{kuhn_munkres, separate_components};
 
 use super::HypothesisSummary;
 use super::kalman::{KalmanModel, Measurement, Noise, chi_squared_3};
+use super::measurements::Measurements;
 use crate::regions::Rect;
 use crate::settings::Settings;
 
@@ -209,10 +210,10 @@ impl HypothesisMatcher {
         blobs: &mut [&mut Blob],
         observations: &[Observation],
     ) -> Vec<Option<usize>> {
-        let measurements: Vec<_> = observations.iter().map(Observation::measurement).collect();
+        let measurements = Measurements::new(observations);
         let branches: Vec<Vec<Hypothesis>> =
             blobs.iter().map(|blob| self.branch(blob.hypotheses(), &measurements)).collect();
-        let chosen = best_joint_matching(&branches, observations.len());
+        let chosen = best_joint_matching(&branches);
         for ((blob, branches), &matched) in blobs.iter_mut().zip(branches).zip(&chosen) {
             blob.show(branches, matched);
             if let Some(observation) = matched.and_then(|at| observations.get(at)) {
@@ -233,18 +234,12 @@ impl HypothesisMatcher {
     /// and `observations`, the likeliest first, each in one pair at most.
     pub fn match_manoeuvres(&self, blobs: &[&Blob], observations: &[&Observation]) -> Vec<(usize, usize)> {
         let mut pairs = Vec::new();
-        let measurements: Vec<_> = observations.iter().map(|it| it.measurement()).collect();
+        let measurements = Measurements::new(observations.iter().copied());
         for (row, blob) in blobs.iter().enumerate() {
             let model = &blob.shown().model;
             let expected = model.expected_measurement(MANOEUVRE_SIGMA * model.scale());
-            for (column, measured) in measurements.iter().enumerate() {
-                if !expected.may_reach(measured, self.gate) {
-                    continue;
-                }
-                let innovation = expected.innovation(measured);
-                if innovation.distance_squared <= self.gate {
-                    pairs.push((innovation.log_likelihood(), row, column));
-                }
+            for (column, _, innovation) in measurements.within_gate(&expected, self.gate) {
+                pairs.push((innovation.log_likelihood(), row, column));
             }
         }
         pairs.sort_by(|a, b| b.0.total_cmp(&a.0).then((a.1, a.2).cmp(&(b.1, b.2))));
@@ -272,23 +267,20 @@ impl HypothesisMatcher {
     fn branch<'a>(
         &self,
         parents: impl Iterator<Item = &'a Hypothesis>,
-        measurements: &[Measurement],
+        measurements: &Measurements,
     ) -> Vec<Hypothesis> {
         let mut children: Vec<Hypothesis> = Vec::new();
         for parent in parents {
             let expected = parent.model.expected_measurement(0.0);
-            let near = measurements.iter().enumerate().filter(|(_, it)| expected.may_reach(it, self.gate));
-            let matches = near.filter_map(|(index, measured)| {
-                let innovation = expected.innovation(measured);
-                (innovation.distance_squared <= self.gate).then(|| {
+            let matches =
+                measurements.within_gate(&expected, self.gate).map(|(index, measured, innovation)| {
                     let mut child = parent.clone();
                     child.model.update(measured, 1.0);
                     child.fitness.record_match(innovation.distance_squared, self.fitness_memory);
                     child.score += innovation.log_likelihood();
                     child.matched = Some(index);
                     child
-                })
-            });
+                });
             // A null match is as likely as a match at the edge of the gate.
             let mut null = parent.clone();
             null.fitness.record_miss(self.null_factor);
@@ -332,27 +324,47 @@ const IMPOSSIBLE_SCORE: i64 = -1_000_000_000;
 
 /// For each blob, of whose hypotheses these are the branches, the observation (or none) that maximises the total
 /// score; blobs come oldest first, and on a tie the older keeps its match.
-fn best_joint_matching(branches: &[Vec<Hypothesis>], observations: usize) -> Vec<Option<usize>> {
-    if branches.is_empty() {
-        return Vec::new();
+fn best_joint_matching(branches: &[Vec<Hypothesis>]) -> Vec<Option<usize>> {
+    let sought: Vec<Vec<usize>> =
+        branches.iter().map(|each| each.iter().filter_map(|branch| branch.matched).collect()).collect();
+    // Blobs that share no observation, nor by way of others, do not depend on each other.
+    let (_, parts) = separate_components(&sought);
+    let mut blobs_of = BTreeMap::<usize, Vec<(usize, &[Hypothesis])>>::new();
+    for (row, (part, branches)) in parts.into_iter().zip(branches).enumerate() {
+        if branches.iter().any(|branch| branch.matched.is_some()) {
+            blobs_of.entry(part).or_default().push((row, branches));
+        }
     }
+    let chosen: BTreeMap<usize, usize> =
+        blobs_of.values().flat_map(|blobs| best_matching_of_part(blobs)).collect();
+    (0..branches.len()).map(|row| chosen.get(&row).copied()).collect()
+}
+
+/// The best joint matching of some blobs, each given by its row and its branches: the rows that get an observation,
+/// each with that.
+fn best_matching_of_part(blobs: &[(usize, &[Hypothesis])]) -> Vec<(usize, usize)> {
+    let matched = blobs.iter().flat_map(|(_, branches)| branches.iter()).filter_map(|branch| branch.matched);
+    let observations: Vec<usize> = matched.collect::<BTreeSet<usize>>().into_iter().collect();
     let thousandths = |score: f32| (f64::from(score) * 1000.0).round() as i64;
-    let mut scores = Matrix::new(branches.len(), observations + branches.len(), IMPOSSIBLE_SCORE);
-    for (row, hypotheses) in branches.iter().enumerate() {
-        for hypothesis in hypotheses {
-            let column = hypothesis.matched.unwrap_or(observations + row);
-            if let Some(score) = scores.get_mut((row, column)) {
-                *score = thousandths(hypothesis.score);
+    let mut scores = Matrix::new(blobs.len(), observations.len() + blobs.len(), IMPOSSIBLE_SCORE);
+    for (row, (_, branches)) in blobs.iter().enumerate() {
+        for branch in *branches {
+            let column = branch.matched.and_then(|at| observations.binary_search(&at).ok());
+            if let Some(score) = scores.get_mut((row, column.unwrap_or(observations.len() + row))) {
+                *score = thousandths(branch.score);
             }
         }
     }
     let (_, columns) = kuhn_munkres(&scores);
-    columns.into_iter().map(|column| (column < observations).then_some(column)).collect()
+    let rows = blobs.iter().map(|(row, _)| *row);
+    rows.zip(columns).filter_map(|(row, column)| Some((row, *observations.get(column)?))).collect()
 }
 
 #[cfg(test)]
 mod tests {
     #![allow(clippy::indexing_slicing)]
+    use proptest::prelude::*;
+
     use super::*;
     use crate::settings::Preset;
 
@@ -534,14 +546,15 @@ mod tests {
             [(first, 101.0), (second, 100.0)]
                 .map(|(score, x)| Hypothesis { score, ..blob(x, 50.0, 0.0).shown })
         };
-        let measured = [at(100.0, 50.0).measurement()];
+        let observation = at(100.0, 50.0);
+        let measured = observation.measurement();
         // The second predicts better, the first was likelier before.
         for (first, second, wins) in [(0.0, -0.01, 1), (0.0, -5.0, 0), (-5.0, 0.0, 1)] {
             let parents = parents(first, second);
-            let children = settings().branch(parents.iter(), &measured);
+            let children = settings().branch(parents.iter(), &Measurements::new([&observation]));
             let [with, without] = &children[..] else { panic!("{children:?}") };
             assert_eq!((with.matched, without.matched), (Some(0), None));
-            let innovation = parents[wins].model.expected_measurement(0.0).innovation(&measured[0]);
+            let innovation = parents[wins].model.expected_measurement(0.0).innovation(&measured);
             assert_eq!(with.score, parents[wins].score + innovation.log_likelihood());
             assert_eq!(without.score, first.max(second) - 0.5 * settings().gate);
         }
@@ -589,5 +602,42 @@ mod tests {
         expected.update_after_manoeuvre(&at(125.0, 50.0).measurement(), sigma);
         HypothesisMatcher::update_after_manoeuvre(&mut lost, &at(125.0, 50.0));
         assert_eq!(lost.shown().model, expected);
+    }
+
+    /// The greatest total score of matchings of these blobs to what is not yet taken.
+    fn greatest_total(branches: &[Vec<Hypothesis>], taken: &[usize]) -> f32 {
+        let Some((first, rest)) = branches.split_first() else { return 0.0 };
+        let free = first.iter().filter(|branch| branch.matched.is_none_or(|at| !taken.contains(&at)));
+        let totals = free.map(|branch| {
+            let taken: Vec<usize> = taken.iter().copied().chain(branch.matched).collect();
+            branch.score + greatest_total(rest, &taken)
+        });
+        totals.fold(f32::NEG_INFINITY, f32::max)
+    }
+
+    proptest! {
+        #[test]
+        fn the_joint_matching_has_the_greatest_total_score(
+            scores in prop::collection::vec(
+                (prop::collection::btree_map(0_usize..6, -64_i8..64, 0..4), -64_i8..0), 0..6,
+            ),
+        ) {
+            let branches: Vec<Vec<Hypothesis>> = scores
+                .iter()
+                .map(|(matches, null)| {
+                    let matches = matches.iter().map(|(&at, &score)| hypothesis(f32::from(score), Some(at)));
+                    matches.chain([hypothesis(f32::from(*null), None)]).collect()
+                })
+                .collect();
+            let chosen = best_joint_matching(&branches);
+            let score = |(branches, matched): (&Vec<Hypothesis>, &Option<usize>)| {
+                branches.iter().find(|branch| branch.matched == *matched).map(|branch| branch.score)
+            };
+            let total: Option<f32> = branches.iter().zip(&chosen).map(score).sum();
+            prop_assert_eq!(total, Some(greatest_total(&branches, &[])));
+            let mut taken: Vec<usize> = chosen.iter().flatten().copied().collect();
+            taken.sort_unstable();
+            prop_assert!(taken.windows(2).all(|pair| pair[0] < pair[1]), "{:?}", chosen);
+        }
     }
 }

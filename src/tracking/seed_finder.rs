@@ -3,7 +3,10 @@
 use std::collections::BTreeSet;
 
 use super::kalman::KalmanModel;
+use super::measurements::Measurements;
 use super::pool::{HypothesisMatcher, Observation};
+use crate::regions::Rect;
+use crate::regions::box_index::BoxIndex;
 
 /// A detection that no blob explains.
 #[derive(Clone, Debug)]
@@ -50,28 +53,25 @@ impl SeedFinder {
         periods: f32,
         unexplained: Vec<UnexplainedDetection>,
     ) -> Vec<Seed> {
-        let measurements: Vec<_> = unexplained.iter().map(|it| it.observation.measurement()).collect();
+        let measurements = Measurements::new(unexplained.iter().map(|it| &it.observation));
+        let index = BoxIndex::new(self.last.iter().map(|it| point(&it.observation)));
         let mut found = Vec::new();
         for first in &self.before_last {
-            for second in &self.last {
-                if !plausible(&first.observation, &second.observation) {
-                    continue;
-                }
+            let reach = MAX_PLAUSIBLE_SHIFT * first.observation.area.sqrt();
+            let near = index.meeting(&point(&first.observation).grown(reach, reach)).into_iter();
+            let seconds = near.filter_map(|number| self.last.get(number));
+            for second in seconds.filter(|second| plausible(&first.observation, &second.observation)) {
                 let [one, two] = [first, second].map(|it| it.observation.measurement());
                 let mut model = KalmanModel::through(one, two, self.periods, settings.noise);
                 model.predict(periods);
                 let expected = model.expected_measurement(0.0);
-                for (third, measured) in unexplained.iter().zip(&measurements) {
-                    if !expected.may_reach(measured, settings.gate) {
-                        continue;
-                    }
-                    let distance = expected.distance_squared(measured);
-                    if distance <= settings.gate {
-                        let mut model = model.clone();
-                        model.update(measured, 1.0);
-                        let earlier = [first.clone(), second.clone()];
-                        found.push((distance, Seed { model, index: third.index, earlier }));
-                    }
+                for (number, measured, innovation) in measurements.within_gate(&expected, settings.gate) {
+                    let Some(third) = unexplained.get(number) else { continue };
+                    let mut model = model.clone();
+                    model.update(measured, 1.0);
+                    let earlier = [first.clone(), second.clone()];
+                    let seed = Seed { model, index: third.index, earlier };
+                    found.push((innovation.distance_squared, seed));
                 }
             }
         }
@@ -84,20 +84,30 @@ impl SeedFinder {
     }
 }
 
+/// A larger one of two areas is less than this multiple of the other, and
+const MAX_AREA_GROWTH: f32 = 3.0;
+/// their centres are at most this multiple of the first one's √area apart in each direction: ½ (1 + √3), rounded up.
+const MAX_PLAUSIBLE_SHIFT: f32 = 1.367;
+
 /// Whether two detections of consecutive frames can be the same object: they overlap or nearly do, and neither is
 /// much larger. This limits the number of pairs in noise.
 fn plausible(first: &Observation, second: &Observation) -> bool {
     let reach = 0.5 * (first.area.sqrt() + second.area.sqrt());
     let ([x, y], [other_x, other_y]) = (first.bbox.centre(), second.bbox.centre());
     let near = (x - other_x).abs() <= reach && (y - other_y).abs() <= reach;
-    near && first.area < 3.0 * second.area && second.area < 3.0 * first.area
+    let similar = first.area < MAX_AREA_GROWTH * second.area && second.area < MAX_AREA_GROWTH * first.area;
+    near && similar
+}
+
+/// The centre as a box without a size.
+fn point(observation: &Observation) -> Rect {
+    Rect::around(observation.bbox.centre(), 0.0, 0.0)
 }
 
 #[cfg(test)]
 mod tests {
     #![allow(clippy::indexing_slicing)]
     use super::*;
-    use crate::regions::Rect;
     use crate::settings::{Preset, Settings};
 
     fn at(index: usize, x: f32, y: f32) -> UnexplainedDetection {

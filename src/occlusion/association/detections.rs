@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::occlusion::state::context::Context;
 use crate::occlusion::state::object::{Detection, Object};
 use crate::occlusion::state::object_table::ObjectTable;
+use crate::regions::box_index::BoxIndex;
 use crate::regions::{Rect, Region};
 use crate::tracking::fragments::group_fragments;
 
@@ -29,8 +30,10 @@ pub(crate) fn detections(context: &Context, table: &ObjectTable, regions: &[Regi
             boxes.reduce(|a, b| a.union(&b)).unwrap_or(tracked.blob.bbox)
         })
         .collect();
+    let index = BoxIndex::new(predicted.iter().copied());
     let owner = |(bbox, _): &(Rect, f32)| {
-        let contained = predicted.iter().map(|expected| bbox.share_within(expected)).enumerate();
+        let near = index.meeting(bbox).into_iter();
+        let contained = near.filter_map(|at| Some((at, bbox.share_within(predicted.get(at)?))));
         contained.filter(|(_, share)| *share >= 0.5).max_by(|a, b| a.1.total_cmp(&b.1)).map(|(at, _)| at)
     };
     let owners: Vec<Option<usize>> = observed.iter().map(owner).collect();

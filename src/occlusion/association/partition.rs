@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::regions::Rect;
+use crate::regions::box_index::BoxIndex;
 
 /// The expected region of a blob, alone or a group.
 #[derive(Clone, Debug)]
@@ -53,30 +54,34 @@ pub(super) fn clusters(
 ) -> Vec<Cluster> {
     let blobs = expected.len();
     let mut sets = DisjointSets::new(blobs + observed.len());
-    let owner = |observation| expected.iter().find(|it| it.matched == Some(observation));
-    let owners: Vec<Option<&ExpectedRegion>> = (0..observed.len()).map(owner).collect();
-    for (blob, expected) in expected.iter().enumerate() {
-        if let Some(observation) = expected.matched {
+    let mut owners: Vec<Option<&ExpectedRegion>> = vec![None; observed.len()];
+    for (blob, it) in expected.iter().enumerate() {
+        if let Some(observation) = it.matched {
             sets.join(blob, blobs + observation);
+            if let Some(owner) = owners.get_mut(observation) {
+                owner.get_or_insert(it);
+            }
         }
     }
-    for (observation, ((bbox, area), owner)) in observed.iter().zip(&owners).enumerate() {
+    let index = BoxIndex::new(expected.iter().map(surroundings));
+    for (observation, (region, owner)) in observed.iter().zip(owners).enumerate() {
+        let (bbox, area) = region;
+        let numbers = index.meeting(bbox).into_iter();
+        let near: Vec<(usize, &ExpectedRegion)> =
+            numbers.filter_map(|blob| Some((blob, expected.get(blob)?))).collect();
         if owner.is_none()
-            && let Some(blob) = owner_of_unclaimed(bbox, *area, expected)
+            && let Some(blob) = owner_of_unclaimed(bbox, *area, &near)
         {
             sets.join(blob, blobs + observation);
         }
-    }
-    for (blob, it) in expected.iter().enumerate() {
-        for (observation, ((bbox, area), owner)) in observed.iter().zip(&owners).enumerate() {
+        for (blob, it) in near.into_iter().filter(|(_, it)| it.matched.is_none()) {
+            let contained = it.bbox.share_within(bbox);
             let belongs = match owner {
-                None => it.matched.is_none() && (lies_inside(bbox, it) || it.bbox.share_within(bbox) >= 0.5),
-                Some(owner) if it.matched.is_none() => {
-                    let contained = it.bbox.share_within(bbox);
+                None => lies_inside(bbox, it) || contained >= 0.5,
+                Some(owner) => {
                     let grown = *area >= (1.0 + size_step) * owner.area;
                     contained >= 0.5 || (contained >= 0.2 && grown)
                 }
-                Some(_) => false,
             };
             if belongs {
                 sets.join(blob, blobs + observation);
@@ -86,19 +91,28 @@ pub(super) fn clusters(
     sets.into_clusters(blobs)
 }
 
+/// What meets every region that can belong to an expected one: a fragment of it at the largest gap, or a region inside
+/// the box that [`lies_inside`] uses.
+fn surroundings(expected: &ExpectedRegion) -> Rect {
+    let Rect { w, h, .. } = expected.bbox;
+    let gap = MAX_FRAGMENT_GAP * h;
+    expected.bbox.grown(gap.max(0.1 * w), gap.max(0.1 * h))
+}
+
 /// The blob that an unclaimed region is a fragment of: it lies inside the expected box, or is small and close to it.
-fn owner_of_unclaimed(bbox: &Rect, area: f32, expected: &[ExpectedRegion]) -> Option<usize> {
-    let near = |it: &ExpectedRegion| {
+/// `near` are those near the region, by rising number.
+fn owner_of_unclaimed(bbox: &Rect, area: f32, near: &[(usize, &ExpectedRegion)]) -> Option<usize> {
+    let is_fragment = |it: &ExpectedRegion| {
         let small = area <= MAX_SMALL_FRAGMENT_SHARE * it.area && it.area > 0.0;
         small && gap(bbox, &it.bbox) <= MAX_FRAGMENT_GAP * it.bbox.h
     };
-    let belongs = |it: &ExpectedRegion| lies_inside(bbox, it) || near(it);
-    let candidates = expected.iter().enumerate().filter(|(_, it)| belongs(it));
+    let belongs = |it: &ExpectedRegion| lies_inside(bbox, it) || is_fragment(it);
+    let candidates = near.iter().filter(|(_, it)| belongs(it));
     let nearer = |a: &ExpectedRegion, b: &ExpectedRegion| {
         let contained = |it: &ExpectedRegion| bbox.share_within(&it.bbox);
         contained(b).total_cmp(&contained(a)).then(gap(bbox, &a.bbox).total_cmp(&gap(bbox, &b.bbox)))
     };
-    candidates.min_by(|a, b| nearer(a.1, b.1)).map(|(blob, _)| blob)
+    candidates.min_by(|a, b| nearer(a.1, b.1)).map(|(blob, _)| *blob)
 }
 
 /// Whether an unclaimed region lies inside the expected box.
@@ -281,6 +295,8 @@ impl DisjointSets {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::indexing_slicing)]
+    use proptest::prelude::*;
+
     use super::*;
 
     fn person(x: f32, y: f32) -> Rect {
@@ -471,5 +487,22 @@ mod tests {
         let pair =
             |area: f32| are_side_by_side(&(person(100.0, 50.0), area), &(person(130.0, 50.0), 800.0), PERSON);
         assert!(pair(200.0) && !pair(199.0));
+    }
+
+    proptest! {
+        #[test]
+        fn what_can_belong_to_an_expected_region_meets_its_surroundings(
+            first in prop::array::uniform4(1.0_f32..60.0),
+            second in prop::array::uniform4(1.0_f32..60.0),
+            area in 1.0_f32..4000.0,
+            group: bool,
+        ) {
+            let [bbox, seen] = [first, second].map(|[x, y, w, h]| Rect::new(x, y, w, h));
+            let expected = ExpectedRegion { bbox, area, matched: None, group };
+            let meets = surroundings(&expected).gap(&seen) == [0.0; 2];
+            let belongs = owner_of_unclaimed(&seen, seen.area(), &[(0, &expected)]).is_some();
+            let contains = bbox.share_within(&seen) >= 0.2;
+            prop_assert!(meets || !(belongs || contains));
+        }
     }
 }

@@ -125,8 +125,7 @@ pub(super) fn emit_demerge(
     pieces: &[Vec<ObjectId>],
     cause: &GroupChange,
 ) {
-    let groups: Vec<_> = table.groups().iter().cloned().collect();
-    for group in groups {
+    for group in table.groups().of_any(pieces.iter().flatten()) {
         let mut parts = partition_by(&group, |id| pieces.iter().position(|piece| piece.contains(&id)));
         parts.sort();
         let members: Vec<ObjectId> = group.iter().copied().collect();

@@ -52,12 +52,14 @@ pub(crate) fn try_reidentify_in_group(
 fn find_in_groups(context: &Context, table: &ObjectTable, id: ObjectId) -> Option<(usize, [f32; 2])> {
     let object = table.get(id)?;
     let reach = object.reappearance_radius(frames_unseen(context, table, id));
+    let predicted = object.predicted_box();
     let mut best: Option<(f32, usize, [f32; 2])> = None;
     for (index, tracked) in table.blobs().iter().enumerate() {
         let Some(detection) = &tracked.detection else { continue };
-        if tracked.members().contains(&id)
+        // The distance first: it excludes most of many regions at little cost.
+        if predicted.distance_outside(&detection.bbox) > reach
+            || tracked.members().contains(&id)
             || !tracked.members().iter().any(|&member| table.is_confirmed(member))
-            || object.predicted_box().distance_outside(&detection.bbox) > reach
             || shows_one_object(table, tracked, detection)
         {
             continue;
