@@ -90,7 +90,7 @@ pub(super) fn try_match_reappearance(
     };
     let Some(&(place, similarity, occluded)) = chosen else { return false };
     let evidence = reappearance_evidence(context, place, similarity, occluded, by_colour);
-    continue_occluded(context, table, decisions, id, occluded, evidence);
+    continue_occluded(table, decisions, id, occluded, evidence);
     true
 }
 
@@ -124,7 +124,6 @@ fn reappearance_evidence(
 
 /// Lets an occluded object continue in the place of the new one, with a pending reappearance.
 fn continue_occluded(
-    context: &Context,
     table: &mut ObjectTable,
     decisions: &mut Decisions,
     new: ObjectId,
@@ -134,14 +133,15 @@ fn continue_occluded(
     let Some(from) = table.get(occluded.id).map(|object| object.last_detection.bbox) else { return };
     let Some(seen) = table.get(new) else { return };
     // Its new region may have begun before the old one was given up.
-    let (frame, at) = (seen.first_frame.number.max(occluded.since.number), seen.first_bbox.centre());
+    let frame = seen.first_frame.number.max(occluded.since.number);
+    let (t, at) = (seen.first_frame.t.max(occluded.since.t), seen.first_bbox.centre());
     table.merge_track_into(new, occluded.id);
     let Some(identity) = table.identity(occluded.id) else { return };
     let event = Event::of_one(frame, EventKind::Reappear, identity, at, evidence);
     decisions.reappearances.push(PendingReappearance {
         id: occluded.id,
         since: occluded.since,
-        t: context.t,
+        t,
         event,
         from,
     });
@@ -203,11 +203,16 @@ mod tests {
     /// A red person that is occluded from frame 2 on at x = 100, and a new object in frame 10. Gives the number of
     /// the known one if the new one is matched to it.
     fn match_new(x: f32) -> (Option<ObjectId>, ObjectTable, Decisions) {
-        let (mut table, mut decisions, now) = (ObjectTable::default(), Decisions::default(), context(10));
+        match_new_in(10, x)
+    }
+
+    /// The same where the match is tried in frame `t`.
+    fn match_new_in(t: u32, x: f32) -> (Option<ObjectId>, ObjectTable, Decisions) {
+        let (mut table, mut decisions, now) = (ObjectTable::default(), Decisions::default(), context(t));
         let known = start_confirmed(&context(1), &mut table, person(100.0, 80.0), RED, [0.0; 2]);
         table.occlude(known, FrameRef { number: 2, index: 2, t: 2 });
         table.drop_empty_blobs();
-        let new = start_tentative(&now, &mut table, person(x, 80.0), RED, [0.0; 2]);
+        let new = start_tentative(&context(10), &mut table, person(x, 80.0), RED, [0.0; 2]);
         let matched = try_match_reappearance(&now, &mut table, &mut decisions, new);
         assert_eq!(table.check(), None);
         (matched.then_some(known), table, decisions)
@@ -319,6 +324,16 @@ mod tests {
         assert_eq!((decisions.reappearances.len(), &kinds[..]), (0, &[EventKind::Reappear][..]));
         let frames = &decisions.events[0].evidence.comparisons[2];
         assert_eq!((&frames.what[..], frames.value), ("frames occluded", 8.0));
+    }
+
+    #[test]
+    fn an_object_that_is_recognised_late_has_stayed_since_its_first_region() {
+        let wait = context(1).limits.same_episode_frames;
+        for (recognised, emitted) in [(10 + wait, false), (11 + wait, true)] {
+            let (known, mut table, mut decisions) = match_new_in(recognised, 106.0);
+            update_occluded(&context(recognised), &mut table, &mut decisions);
+            assert_eq!((known, decisions.events.len()), (Some(1), usize::from(emitted)));
+        }
     }
 
     /// A red and a blue person are occluded 30 pixels apart; a new one of this colour is at the place of the red one.

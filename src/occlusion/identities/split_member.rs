@@ -64,7 +64,7 @@ fn best_candidate(
         let shrunk = seen <= (1.0 - context.settings.size_step) * due;
         let known = group.members().iter().filter_map(|&id| Some((id, table.get(id)?)));
         for (member, object) in known.filter(|(_, object)| shrunk || object.unseen_frames > 0) {
-            if !new.may_match(object) {
+            if !new.may_match(object) || !events_allow(context, new, object) {
                 continue;
             }
             let sigma = object.position_sigma(Some(decisions.group_episodes.duration_of(member, context.t)));
@@ -84,6 +84,14 @@ fn best_candidate(
     best.map(|(_, candidate)| candidate)
 }
 
+/// Whether a new object can have been this member since its first frame according to the emitted events, which stay: at
+/// most `same_episode` later is an event by which the member was in the group.
+fn events_allow(context: &Context, new: &Object, member: &Object) -> bool {
+    let age = context.t - new.first_frame.t;
+    let latest_event = member.last_event.map_or(0, |(frame, _)| frame);
+    age <= context.number.saturating_sub(latest_event) + context.limits.same_episode_frames
+}
+
 fn split_evidence(context: &Context, Candidate { score, filled, members, .. }: Candidate) -> Evidence {
     let step = context.settings.size_step;
     let why = if filled <= 1.0 - step { "that shrank" } else { "in which it was not visible" };
@@ -101,7 +109,10 @@ fn split_evidence(context: &Context, Candidate { score, filled, members, .. }: C
 mod tests {
     #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
     use super::*;
-    use crate::occlusion::fixtures::{BLUE, RED, context, detection, person, start_group, start_tentative};
+    use crate::occlusion::event::EventKind;
+    use crate::occlusion::fixtures::{
+        BLUE, RED, context, detection, object, person, start_group, start_tentative,
+    };
     use crate::occlusion::state::object::Appearance;
     use crate::occlusion::state::object_table::TrackedBlob;
     use crate::regions::Rect;
@@ -168,6 +179,18 @@ mod tests {
         // .15 of the height of 60 pixels.
         assert!(matched(140.0 + 27.0, 20.0, |_, _| {}).is_some());
         assert!(matched(140.0 + 28.0, 20.0, |_, _| {}).is_none());
+    }
+
+    #[test]
+    fn an_object_that_began_long_before_an_event_of_a_member_is_another_one() {
+        let gap = context(1).limits.same_episode_frames;
+        let new = object(&context(9), 1, &detection(person(152.0, 80.0), BLUE), [0.0; 2]);
+        let allowed = |event: u32| {
+            let member = Object { last_event: Some((event, EventKind::Merge)), ..new.clone() };
+            events_allow(&context(30 + gap), &new, &member)
+        };
+        assert!(allowed(3) && allowed(9) && allowed(9 + gap));
+        assert!(!allowed(10 + gap));
     }
 
     #[test]

@@ -51,7 +51,7 @@ pub(crate) struct PendingReappearance {
     pub(crate) id: ObjectId,
     /// The first frame of the occlusion.
     pub(crate) since: FrameRef,
-    /// The time of the re-identification, in frame periods.
+    /// The time of its first region after the occlusion, in frame periods.
     pub(crate) t: u32,
     pub(crate) event: Event,
     /// Its last box before the occlusion.
