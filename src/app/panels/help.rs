@@ -36,7 +36,7 @@ pub(crate) fn ui(ctx: &Context, open: &mut bool) {
     }
     let response = Modal::new(Id::unique("help")).frame(theme::dialog_frame(ctx)).show(ctx, |ui| {
         let screen = ctx.content_rect();
-        ui.set_width((screen.width() - 80.0).min(760.0));
+        ui.set_width((screen.width() - 80.0).clamp(0.0, 760.0));
         let mut close = false;
         ui.horizontal(|ui| {
             ui.label(RichText::new("Keyboard and mouse").size(18.0).strong());
@@ -44,7 +44,7 @@ pub(crate) fn ui(ctx: &Context, open: &mut bool) {
         });
         ui.add_space(2.0 * theme::SPACE);
         ScrollArea::vertical()
-            .max_height(screen.height() - 140.0)
+            .max_height((screen.height() - 140.0).max(0.0))
             .min_scrolled_height(screen.height() - 140.0)
             .show(ui, |ui| {
                 ui.columns(2, |columns| {

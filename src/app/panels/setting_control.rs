@@ -186,7 +186,7 @@ fn span_control(
 fn slider(ui: &mut Ui, setting: &Setting, value: &mut Value) {
     let name = format!("{} slider", setting.label());
     let style = |ui: &mut Ui| {
-        ui.spacing_mut().slider_width = ui.available_width() - 3.0 * theme::SPACE;
+        ui.spacing_mut().slider_width = (ui.available_width() - 3.0 * theme::SPACE).max(0.0);
         ui.spacing_mut().interact_size.y = 14.0;
     };
     let plain = |slider: Slider<'_>, ui: &mut Ui| -> Response {

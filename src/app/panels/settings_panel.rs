@@ -99,8 +99,9 @@ fn head(ui: &mut Ui, model: &Model, settings: &mut Settings, commands: &mut Vec<
     ui.horizontal(|ui| {
         let label = ui.label("Preset");
         let text = present.map_or("custom", Preset::word);
-        let combo =
-            ComboBox::from_id_salt("preset").selected_text(text).width(ui.available_width() - theme::SPACE);
+        let combo = ComboBox::from_id_salt("preset")
+            .selected_text(text)
+            .width((ui.available_width() - theme::SPACE).max(0.0));
         let response = combo.show_ui(ui, |ui| {
             for preset in Preset::ALL {
                 let response = ui.selectable_label(present == Some(preset), preset.word());

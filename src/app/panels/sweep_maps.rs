@@ -96,7 +96,7 @@ fn map_of(sweep: &OpenedSweep, measures: &[&MeasureColumn], choice: MapChoice) -
 /// Draws the contents of the dialog; returns whether it is to be closed.
 fn content(ui: &mut Ui, shown: &mut MapInView, model: &Model, commands: &mut Vec<Command>) -> bool {
     let screen = ui.ctx().content_rect();
-    ui.set_width(WIDTH.min(screen.width() - 64.0));
+    ui.set_width((screen.width() - 64.0).clamp(0.0, WIDTH));
     ui.label(RichText::new("Sweep").size(18.0).strong());
     about(ui, &shown.sweep);
     ui.add_space(2.0 * theme::SPACE);

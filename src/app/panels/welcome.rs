@@ -28,7 +28,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
     ui.add_space((rect.height() * 0.5 - 130.0 * scale).max(12.0));
     ui.with_layout(Layout::top_down(Align::Center), |ui| {
-        ui.set_max_width((rect.width() - 40.0).min(560.0 * scale));
+        ui.set_max_width((rect.width() - 40.0).clamp(0.0, 560.0 * scale));
         match model.worker.state.as_ref().map(|state| &state.phase) {
             Some(Phase::Failed(why)) => {
                 ui.label(m::ICON_ERROR.rich_text().size(44.0 * scale).color(colours.bad));
@@ -63,7 +63,8 @@ fn opening(ui: &mut Ui, model: &Model, scale: f32, commands: &mut Vec<Command>) 
     ui.label(RichText::new("Opening").size(20.0 * scale).strong());
     ui.label(file_name(name)).on_hover_text(name);
     ui.add_space(theme::SPACE);
-    if let Some(busy) = model.worker.state.as_ref().and_then(|state| state.busy.as_ref()) {
+    let busy = model.worker.state.as_ref().and_then(|state| state.busy.as_ref());
+    if let Some(busy) = busy {
         let total = busy.total.filter(|&total| total > 0);
         if let Some(total) = total {
             let share = busy.done as f32 / total as f32;
@@ -77,8 +78,9 @@ fn opening(ui: &mut Ui, model: &Model, scale: f32, commands: &mut Vec<Command>) 
     // The spinner repaints every frame, and with it the seconds.
     let waited = model.worker.opened_at.map(|at| at.elapsed()).unwrap_or_default();
     if waited >= SLOW_OPENING {
-        let seconds = waited.as_secs();
-        ui.weak(format!("{seconds} s elapsed; the camera or network drive may not be responding"));
+        // Without any progress it is unknown what it waits for.
+        let cause = if busy.is_some() { "" } else { "; the camera, drive or network may not be responding" };
+        ui.weak(format!("{} s elapsed{cause}", waited.as_secs()));
     }
     ui.add_space(4.0 * theme::SPACE);
     if ui.button("Cancel").on_hover_text("Cancel opening").clicked() {

@@ -93,6 +93,20 @@ fn every_state_fits_every_size_and_scale_in_both_themes() {
 }
 
 #[test]
+fn every_state_is_drawn_in_a_window_without_room() {
+    // Some window managers allow any size. egui refuses negative sizes.
+    for (width, height) in [(40.0, 30.0), (40.0, 640.0), (300.0, 200.0), (1024.0, 30.0)] {
+        for (_, state) in states() {
+            let (mut harness, _) = window(state, (1024.0, 640.0), Theme::Dark);
+            harness.set_size(vec2(width, height));
+            harness.run_steps(4);
+            harness.key_press(egui::Key::F1);
+            harness.run_steps(4);
+        }
+    }
+}
+
+#[test]
 fn shrinking_the_window_shrinks_every_panel() {
     let (mut harness, _) = window(Some(inspected_state(58)), (1600.0, 1400.0), Theme::Dark);
     harness.run_steps(4);
