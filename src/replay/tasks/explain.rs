@@ -95,3 +95,50 @@ fn query(event: &Event, model: &ModelTimeline, numbers: &[u32], size: Size, fps:
         fps,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::frame::Frame;
+    use crate::occlusion::EventKind;
+    use crate::replay::tasks::analyse::PassInputs;
+    use crate::replay::tests::{scene, settings, single_pass};
+    use crate::settings::{Settings, Span};
+    use crate::source::{FpsFrom, SourceInfo};
+
+    #[test]
+    fn a_search_covers_the_frames_before_the_event_and_those_after_its_decision() {
+        let folder = scene();
+        let settings = Settings { bootstrap: Span::Frames(0), ..settings() };
+        let seen = single_pass(folder.path(), &settings);
+        let size = seen[0].frame.size;
+        let info = SourceInfo {
+            name: "scene".into(),
+            size,
+            pixel_aspect: None,
+            fps: 25.0,
+            fps_from: FpsFrom::Video,
+            frames: None,
+            live: false,
+            reduction: None,
+        };
+        let (settings, info) = (Arc::new(settings), Arc::new(info));
+        let mut model = ModelTimeline::new(PassInputs { settings, roi: None, info, budget: 0 }).unwrap();
+        let numbers: Vec<_> = (1..=300).collect();
+        for (&number, shown) in numbers.iter().zip(seen.iter().cycle()) {
+            let frame = Frame::new(number, size, shown.frame.rgb.clone());
+            model.advance(&[Arc::new(frame)]).unwrap();
+        }
+        let is_merge = |event: &&Event| event.kind == EventKind::Merge;
+        let merge = |position| model.outline(position)?.events.iter().find(is_merge);
+        let (decided, event) = (130..300).find_map(|position| Some((position, merge(position)?))).unwrap();
+        // At least 100 frames before the event, or 12 seconds; 10 seconds after its decision.
+        for (fps, before, after) in [(2.0, 100, 20), (10.0, 120, 100)] {
+            let frames = query(event, &model, &numbers, size, fps).frames;
+            let covered = frames.first().unwrap().number..=frames.last().unwrap().number;
+            assert_eq!(covered, event.frame - before..=decided + 1 + after, "{fps} frames a second");
+        }
+    }
+}

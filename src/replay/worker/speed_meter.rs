@@ -27,3 +27,21 @@ impl SpeedMeter {
         if self.took.is_zero() { 0.0 } else { self.frames as f32 / self.took.as_secs_f32() }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_speed_is_that_of_the_last_second_of_work() {
+        let mut meter = SpeedMeter::default();
+        assert_eq!(meter.frames_a_second(), 0.0, "unknown");
+        let half = Duration::from_millis(500);
+        for (took, frames, expected) in
+            [(half, 5, 10.0), (half, 10, 15.0), (half, 20, 30.0), (Duration::from_secs(4), 2, 0.5)]
+        {
+            meter.add(took, frames);
+            assert_eq!(meter.frames_a_second(), expected, "{frames} frames in {took:?}");
+        }
+    }
+}

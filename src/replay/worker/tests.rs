@@ -1,20 +1,24 @@
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use super::*;
+use crate::explain::pixel::region_shares::PixelRegion;
+use crate::explain::tuning::TunableSetting;
 use crate::frame::Frame;
 use crate::occlusion::EventKind;
-use crate::replay::published::ShownFrame;
+use crate::replay::published::{ShownFrame, Timeline};
 use crate::replay::tests::{
     FIRST, FRAMES, HEIGHT, LEARNT, PIXEL, WIDTH, assert_same, half_roi, name, scene, settings, single_pass,
     single_pass_within,
 };
 use crate::settings::{BackgroundModel, Settings, Span};
 use crate::source::{Options, Source};
+use crate::tracking::{Identity, Track, TrackState};
 use crate::truth::Truth;
 use crate::truth::boxes::{Bounds, Boxes};
+use crate::truth::masks::{Label, TrueMask, TrueMasks};
 
 const ROOM: usize = 1 << 30;
 const FRAME_BYTES: usize = (WIDTH * HEIGHT * 3) as usize;
@@ -34,12 +38,16 @@ fn succeed<T>(result: Result<T, StopReason>) -> T {
 
 /// A worker that executes steps on demand.
 fn worker<'a>(shared: &'a Shared, video: &Path, settings: Settings) -> Worker<'a> {
+    worker_from(shared, video, settings, Start::First)
+}
+
+fn worker_from<'a>(shared: &'a Shared, video: &Path, settings: Settings, start: Start) -> Worker<'a> {
     let video = name(video);
     succeed(Worker::open(
         shared,
         || FrameCache::open(&video, Options::default(), ROOM),
         AnalysisOptions { settings, roi: None },
-        Start::First,
+        start,
         ROOM,
     ))
 }
@@ -247,6 +255,153 @@ fn the_status_names_the_current_work() {
 }
 
 #[test]
+fn a_session_starts_in_the_middle_of_the_first_occlusion() {
+    let (folder, shared) = (scene(), shared());
+    let expected = single_pass(folder.path(), &settings());
+    let (decided, objects) = expected
+        .iter()
+        .find_map(|shown| {
+            let mut events = shown.analysis.events.iter();
+            let event = events.find(|event| matches!(event.kind, EventKind::Merge | EventKind::Disappear))?;
+            Some((shown.position, event.objects.clone()))
+        })
+        .unwrap();
+    let is_occluded = |shown: &&ShownFrame| {
+        let mut tracks = shown.analysis.tracks.iter();
+        tracks.any(|track| objects.contains(&track.id) && track.state != TrackState::Visible)
+    };
+    let after = expected[decided as usize..].iter().skip_while(|shown| !is_occluded(shown));
+    let occluded: Vec<_> = after.take_while(is_occluded).map(|shown| shown.position).collect();
+    assert!(occluded.last().is_some_and(|last| *last < decided + 10), "short: {decided} {occluded:?}");
+    let mut worker = worker_from(&shared, folder.path(), settings(), Start::FirstOcclusion);
+    work_until_idle(&mut worker);
+    assert_eq!(worker.view.shown.as_ref().unwrap().position, occluded[occluded.len() / 2]);
+}
+
+#[test]
+fn a_session_without_an_occlusion_under_newer_settings_stays_at_the_first_frame() {
+    let (folder, shared) = (scene(), shared());
+    let mut worker = worker_from(&shared, folder.path(), settings(), Start::FirstOcclusion);
+    work_until(&mut worker, |worker| {
+        let mut outlines = worker.pass.model.record().outlines();
+        outlines.any(|analysis| analysis.events.iter().any(|event| event.kind == EventKind::Merge))
+    });
+    compare(&mut worker, Settings { min_area: 2000, ..settings() }, None);
+    work_until_idle(&mut worker);
+    assert_eq!((worker.pass.model.analysed(), shared.state().timeline.events.len()), (FRAMES, 0));
+    assert_eq!(worker.view.shown.as_ref().unwrap().position, 0);
+}
+
+#[test]
+fn stopping_keeps_the_frame_in_view_or_shows_the_last_one_under_new_settings() {
+    let (folder, shared) = (scene(), shared());
+    let mut worker = worker(&shared, folder.path(), settings());
+    work_until_idle(&mut worker);
+    show(&mut worker, 50);
+    work_until_idle(&mut worker);
+    show(&mut worker, 7);
+    request(&mut worker, Request::AnalyseAhead(false));
+    work_until_idle(&mut worker);
+    assert_eq!(worker.view.shown.as_ref().unwrap().position, 50);
+    request(&mut worker, Request::AnalyseAhead(true));
+    let changed = Settings { k: 2, ..settings() };
+    compare(&mut worker, changed.clone(), None);
+    work_until(&mut worker, |worker| worker.pass.model.analysed() > 0);
+    request(&mut worker, Request::AnalyseAhead(false));
+    work_until_idle(&mut worker);
+    let (shown, analysed) = (worker.view.shown.clone().unwrap(), worker.pass.model.analysed());
+    assert!(analysed < 50, "{analysed}");
+    assert_eq!((shown.position, &*shown.settings), (analysed - 1, &changed));
+}
+
+/// The last progress of each kind of work in a row, until nothing is left.
+fn statuses(worker: &mut Worker<'_>) -> Vec<WorkProgress> {
+    let mut all: Vec<WorkProgress> = Vec::new();
+    work_until(worker, |worker| {
+        if let Some(busy) = &worker.busy {
+            all.pop_if(|last| last.what == busy.what);
+            all.push(busy.clone());
+        }
+        false
+    });
+    all
+}
+
+#[test]
+fn the_status_of_an_analysis_counts_its_frames_up_to_the_requested_one_and_to_the_end() {
+    let (folder, shared) = (scene(), shared());
+    let mut worker = worker(&shared, folder.path(), settings());
+    show(&mut worker, 40);
+    let all = statuses(&mut worker);
+    let [learning, requested, .., rest] = &all[..] else { panic!("{all:?}") };
+    assert_eq!((&*learning.what, learning.total), ("learning background", Some(LEARNT)));
+    assert!(learning.done < LEARNT, "{learning:?}");
+    assert_eq!(requested.what, format!("analysing up to frame {}", FIRST + 40));
+    assert!(requested.done <= 40, "{requested:?}");
+    assert_eq!((&*rest.what, rest.done, rest.total), ("analysing", FRAMES, Some(FRAMES)));
+
+    compare(&mut worker, settings(), Some(other()));
+    let all = statuses(&mut worker);
+    let [learning, .., candidate] = &all[..] else { panic!("{all:?}") };
+    assert_eq!((&*learning.what, learning.total), ("learning background", Some(12)));
+    assert_eq!(
+        (&*candidate.what, candidate.done, candidate.total),
+        ("analysing other settings", FRAMES, Some(FRAMES))
+    );
+    // Other settings of the mixture on both sides.
+    compare(&mut worker, Settings { k: 2, ..settings() }, Some(Settings { k: 2, ..other() }));
+    assert!(statuses(&mut worker).iter().any(|busy| busy.what == "analysing A and B"));
+}
+
+type TrackAt = (u32, Identity, TrackState);
+
+/// The tracks at each position by the spans of a timeline, which are as long as possible.
+fn tracks_of(timeline: &Timeline) -> Vec<TrackAt> {
+    let mut all = Vec::new();
+    for track in &timeline.track_timelines {
+        let is_split = |pair: &[(u32, u32, TrackState)]| pair[0].1 + 1 == pair[1].0 && pair[0].2 == pair[1].2;
+        assert!(!track.spans.windows(2).any(is_split), "{track:?}");
+        for &(first, last, state) in &track.spans {
+            all.extend((first..=last).map(|position| (position, track.id, state)));
+        }
+    }
+    all.sort_by_key(|&(position, id, _)| (position, id));
+    all
+}
+
+fn tracks_in<'a>(frames: impl Iterator<Item = &'a [Track]>) -> Vec<TrackAt> {
+    let of = |(position, tracks): (u32, &'a [Track])| {
+        tracks.iter().map(move |track| (position, track.id, track.state))
+    };
+    let mut all: Vec<_> = (0..).zip(frames).flat_map(of).collect();
+    all.sort_by_key(|&(position, id, _)| (position, id));
+    all
+}
+
+#[test]
+fn a_part_of_the_sequence_has_online_results_and_no_score() {
+    let (folder, shared) = (scene(), shared());
+    let mut worker = worker(&shared, folder.path(), settings());
+    request(&mut worker, Request::AnalyseAhead(false));
+    let truth = Truth { boxes: Some(Boxes::new()), masks: None, ..Truth::default() };
+    request(&mut worker, Request::Truth(Some(Arc::new(truth))));
+    show(&mut worker, 40);
+    work_until_idle(&mut worker);
+    let timeline = shared.state().timeline;
+    let frames = &single_pass(folder.path(), &settings())[..=40];
+    let online: Vec<_> = frames.iter().flat_map(|shown| shown.analysis.events.iter().cloned()).collect();
+    let found: Vec<_> = timeline.events.iter().map(|(_, event)| event.clone()).collect();
+    assert!(timeline.analysed == 41 && !timeline.complete && timeline.score.is_none());
+    assert_eq!(found, online);
+    assert_eq!(tracks_of(&timeline), tracks_in(frames.iter().map(|shown| &shown.analysis.tracks[..])));
+    request(&mut worker, Request::AnalyseAhead(true));
+    work_until_idle(&mut worker);
+    let (timeline, offline) = (shared.state().timeline, worker.pass.model.offline_result());
+    assert!(timeline.score.is_some());
+    assert_eq!(tracks_of(&timeline), tracks_in(offline.tracks.iter().map(|frame| &frame.tracks[..])));
+}
+
+#[test]
 fn scores_are_against_the_newest_truth() {
     let (folder, shared) = (scene(), shared());
     let mut worker = worker(&shared, folder.path(), settings());
@@ -364,6 +519,45 @@ fn the_progress_of_a_pixel_is_published_until_its_history_covers_the_frame_in_vi
     work_until_idle(&mut worker);
     let state = shared.state();
     assert!(state.pixel_progress.is_none() && state.shown.unwrap().pixel.is_some());
+}
+
+#[test]
+fn every_published_history_of_a_pixel_begins_as_that_of_a_single_pass() {
+    let (folder, shared) = (scene(), shared());
+    let expected = single_pass(folder.path(), &settings()).pop().unwrap().pixel.unwrap();
+    let mut worker = worker(&shared, folder.path(), settings());
+    request(&mut worker, Request::Inspect(Some(PIXEL)));
+    loop {
+        let worked = succeed(worker.work_once());
+        (worker.outbox.pixel_grew, worker.outbox.timeline_grew) = (true, true);
+        worker.publish_in_time(true);
+        let history = shared.state().pixel.unwrap();
+        assert_eq!(history.states[..], expected.states[..history.states.len()]);
+        if !worked {
+            assert_eq!(history, expected);
+            break;
+        }
+    }
+}
+
+#[test]
+fn a_region_is_tuned_where_the_truth_is_longer_than_the_sequence() {
+    let (folder, shared) = (scene(), shared());
+    let mut worker = worker(&shared, folder.path(), settings());
+    let size = worker.info.size;
+    let mask = |number| (number, Arc::new(TrueMask::new(size, vec![Label::Background; size.pixels()])));
+    let masks = TrueMasks::new([mask(FIRST + 40), mask(FIRST + 4000)].into()).map(Arc::new);
+    request(&mut worker, Request::Truth(Some(Arc::new(Truth { masks, ..Truth::default() }))));
+    request(&mut worker, Request::Tune(Some([TunableSetting::K, TunableSetting::T])));
+    request(&mut worker, Request::TuneRegion(Some(PixelRegion { centre: PIXEL, side: 1 })));
+    let mut steps = 0;
+    work_until(&mut worker, |_| {
+        steps += 1;
+        steps > 20_000
+    });
+    assert!(steps <= 20_000, "the work ends");
+    let tuning = shared.state().region_tuning.unwrap();
+    assert_eq!((tuning.frames, tuning.present.all()), (1, 1));
 }
 
 #[test]

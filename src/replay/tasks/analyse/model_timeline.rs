@@ -489,13 +489,8 @@ mod tests {
     /// Enough frames for two checkpoints.
     const FRAMES: usize = 2 * MIN_CHECKPOINT_SPACING_FRAMES as usize + 6;
 
-    #[test]
-    fn the_record_of_a_second_pass_reduces_the_memory_for_checkpoints() {
-        let folder = scene();
-        let frames: Vec<_> =
-            single_pass(folder.path(), &settings()).into_iter().map(|shown| shown.frame).collect();
-        let size = frames[0].size;
-        let info = SourceInfo {
+    fn info_of(size: Size) -> SourceInfo {
+        SourceInfo {
             name: "scene".into(),
             size,
             pixel_aspect: None,
@@ -504,7 +499,64 @@ mod tests {
             frames: None,
             live: false,
             reduction: None,
+        }
+    }
+
+    #[test]
+    fn the_frames_needed_for_a_map_begin_at_the_nearest_model() {
+        let folder = scene();
+        let settings = Settings { bootstrap: Span::Frames(0), ..settings() };
+        let seen = single_pass(folder.path(), &settings);
+        let size = seen[0].frame.size;
+        let frames: Vec<_> = seen.iter().cycle().take(FRAMES).map(|shown| Arc::clone(&shown.frame)).collect();
+        let (settings, info) = (Arc::new(settings), Arc::new(info_of(size)));
+        let inputs = PassInputs { settings, roi: None, info, budget: 1 << 30 };
+        let mut model = ModelTimeline::new(inputs).unwrap();
+        for frame in &frames {
+            model.advance(std::slice::from_ref(frame)).unwrap();
+        }
+        let spacing = MIN_CHECKPOINT_SPACING_FRAMES;
+        let last = FRAMES as u32 - 1;
+        // The present model is that of the last frame. The rank that matched needs the model before the frame.
+        assert_eq!(model.frames_needed(last, Quantity::Sigma), Some(last..last + 1));
+        assert_eq!(model.frames_needed(last, Quantity::Matched), None, "of a live source");
+        for quantity in [Quantity::Sigma, Quantity::Matched] {
+            assert_eq!(model.frames_needed(spacing + 9, quantity), Some(spacing..spacing + 10));
+            assert_eq!(model.frames_needed(spacing - 2, quantity), Some(0..spacing - 1));
+        }
+        assert_eq!(model.frames_needed(spacing - 1, Quantity::Sigma), Some(spacing - 1..spacing));
+        assert_eq!(model.frames_needed(spacing - 1, Quantity::Matched), Some(0..spacing));
+        let mut seek = |position: u32| {
+            loop {
+                match model.seek(position, &frames[position as usize], None).unwrap() {
+                    SeekStep::Pictures(_) => return,
+                    SeekStep::Continues => {}
+                    SeekStep::NeedsFrames(range) => {
+                        let passed = &frames[range.start as usize..range.end as usize];
+                        model.replay_frames(range.start, passed, position);
+                    }
+                }
+            }
         };
+        seek(spacing + 5);
+        seek(spacing + 10);
+        // The model of the frame shown last goes on, and the pictures of the one before are kept.
+        assert_eq!(model.frames_needed(spacing + 14, Quantity::Sigma), Some(spacing + 11..spacing + 15));
+        assert_eq!(
+            model.frames_needed(spacing + 5, Quantity::SinceForeground),
+            Some(spacing + 5..spacing + 6)
+        );
+        assert_eq!(model.frames_needed(spacing + 5, Quantity::Sigma), Some(spacing..spacing + 6));
+        assert_eq!(model.frames_needed(last, Quantity::Matched), Some(2 * spacing..last + 1));
+    }
+
+    #[test]
+    fn the_record_of_a_second_pass_reduces_the_memory_for_checkpoints() {
+        let folder = scene();
+        let frames: Vec<_> =
+            single_pass(folder.path(), &settings()).into_iter().map(|shown| shown.frame).collect();
+        let size = frames[0].size;
+        let info = info_of(size);
         let without_learning = Settings { bootstrap: Span::Frames(0), ..settings() };
         let few = Arc::new(Settings { median: 5, min_area: 2000, ..without_learning.clone() });
         let many = Arc::new(Settings { median: 0, min_area: 0, ..without_learning.clone() });

@@ -76,3 +76,44 @@ impl FrameConsumer for PinFollower {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::Size;
+    use crate::source::FpsFrom;
+
+    #[test]
+    fn a_pixel_that_stays_pinned_keeps_its_colours() {
+        let size = Size::new(2, 1);
+        let info = SourceInfo {
+            name: "pixels".into(),
+            size,
+            pixel_aspect: None,
+            fps: 25.0,
+            fps_from: FpsFrom::Video,
+            frames: None,
+            live: false,
+            reduction: None,
+        };
+        let settings = Settings::default();
+        let mut pins = PinFollower::default();
+        assert_eq!(pins.next(), None);
+        pins.choose(&[(0, 0)], &settings, &info);
+        for position in 0..3 {
+            pins.push(position, &Frame::new(position + 1, size, vec![90; 6]));
+        }
+        assert_eq!(pins.next(), Some(3));
+        pins.choose(&[(1, 0), (0, 0)], &settings, &info);
+        assert_eq!(pins.next(), Some(0), "the new pixel needs all frames");
+        pins.choose(&[(0, 0)], &settings, &info);
+        assert_eq!(pins.next(), Some(3));
+        pins.forget(&settings, &info);
+        assert_eq!((pins.next(), pins.latest().len()), (Some(0), 1));
+        pins.lose();
+        assert_eq!(
+            (pins.next(), pins.lost().collect::<Vec<_>>(), pins.latest().len()),
+            (None, vec![(0, 0)], 0)
+        );
+    }
+}

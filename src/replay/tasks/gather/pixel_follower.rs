@@ -149,13 +149,11 @@ impl FrameConsumer for PixelFollower {
 mod tests {
     use super::*;
     use crate::frame::Size;
-    use crate::settings::Span;
+    use crate::settings::{LightCorrection, Span, Stabilise};
     use crate::source::FpsFrom;
 
-    #[test]
-    fn the_progress_counts_the_frames_to_learn_from_and_those_up_to_the_frame_in_view() {
-        let size = Size::new(1, 1);
-        let info = SourceInfo {
+    fn info_of(size: Size) -> SourceInfo {
+        SourceInfo {
             name: "pixel".into(),
             size,
             pixel_aspect: None,
@@ -164,7 +162,61 @@ mod tests {
             frames: None,
             live: false,
             reduction: None,
-        };
+        }
+    }
+
+    #[test]
+    fn there_is_a_history_when_all_frames_to_learn_from_are_known() {
+        let size = Size::new(1, 1);
+        let settings = Settings { bootstrap: Span::Frames(3), ..Settings::default() };
+        let mut follower = PixelFollower::default();
+        follower.choose(Some((0, 0)), &settings, &info_of(size));
+        let states = |history: Option<Arc<PixelHistory>>| history.map(|history| history.states.len());
+        for position in 0..3 {
+            assert_eq!(states(follower.history_covering(0)), None, "{position} frames");
+            follower.push(position, &Frame::new(position + 1, size, vec![90; 3]));
+        }
+        assert_eq!(states(follower.history_covering(2)), Some(3));
+        assert_eq!(states(follower.history_covering(3)), None);
+        // A source with fewer frames than there are to learn from.
+        let longer = Settings { bootstrap: Span::Frames(10), ..settings };
+        follower.choose(Some((0, 0)), &longer, &info_of(size));
+        assert_eq!(states(follower.history_covering(2)), None);
+        assert!(follower.end());
+        assert_eq!(states(follower.history_covering(2)), Some(3));
+        assert!(!follower.end(), "nothing changes");
+        follower.lose();
+        assert_eq!((follower.lost(), follower.next()), (Some((0, 0)), None));
+    }
+
+    #[test]
+    fn colours_are_taken_from_another_pass_where_the_correction_is_the_same() {
+        let size = Size::new(1, 1);
+        let settings =
+            Settings { stabilise: Stabilise::Off, light: LightCorrection::Off, ..Settings::default() };
+        let mut one = PixelFollower::default();
+        assert!(!PixelFollower::default().copy_colours_from(&one), "no pixel is chosen");
+        one.choose(Some((0, 0)), &settings, &info_of(size));
+        for position in 0..2 {
+            one.push(position, &Frame::new(position + 1, size, vec![90; 3]));
+        }
+        let mixture = Settings { alpha: 0.1, ..settings.clone() };
+        let corrected = Settings { light: LightCorrection::Gain, ..settings.clone() };
+        for (settings, at, frames) in
+            [(&settings, (0, 0), 2), (&mixture, (0, 0), 2), (&corrected, (0, 0), 0), (&settings, (1, 0), 0)]
+        {
+            let mut other = PixelFollower::default();
+            other.choose(Some(at), settings, &info_of(size));
+            assert_eq!(other.copy_colours_from(&one), frames > 0);
+            assert_eq!(other.frames(), Some(frames));
+            assert!(!other.copy_colours_from(&one), "nothing is left");
+        }
+    }
+
+    #[test]
+    fn the_progress_counts_the_frames_to_learn_from_and_those_up_to_the_frame_in_view() {
+        let size = Size::new(1, 1);
+        let info = info_of(size);
         let settings = Settings { bootstrap: Span::Frames(3), ..Settings::default() };
         let mut follower = PixelFollower::default();
         assert_eq!(follower.progress_to(0), None, "no pixel is chosen");
