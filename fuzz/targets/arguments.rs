@@ -1,8 +1,10 @@
 //! The command line, one argument a line, and the texts that stand for several values: grids, crops, rates, levels.
 
+use std::cell::RefCell;
 use std::ffi::OsStr;
 use std::os::unix::ffi::OsStrExt;
 
+use clap::Command;
 use occluscope::cli;
 use occluscope::settings::{SETTINGS, Settings};
 use occluscope::source::{self, Levels};
@@ -10,11 +12,17 @@ use occluscope::sweep::grid::{Axis, Grid};
 
 use super::check_message;
 
+thread_local! {
+    /// The command line, which takes longer to define than to use.
+    static COMMAND: RefCell<Command> = RefCell::new(cli::command());
+}
+
 pub fn run(data: &[u8]) {
     let lines: Vec<&[u8]> = data.split(|&byte| byte == b'\n').collect();
     let arguments = lines.iter().map(|line| OsStr::from_bytes(line));
     // What it says in several lines is made one by the program.
-    let _ = cli::command().try_get_matches_from([OsStr::new("occluscope")].into_iter().chain(arguments));
+    let arguments = [OsStr::new("occluscope")].into_iter().chain(arguments);
+    let _ = COMMAND.with_borrow_mut(|command| command.try_get_matches_from_mut(arguments));
     let mut axes = Vec::new();
     for text in lines.iter().filter_map(|line| std::str::from_utf8(line).ok()) {
         match Axis::of_text(text) {

@@ -10,6 +10,8 @@ const ENDINGS: [&str; 5] = ["mp4", "mkv", "avi", "ts", "webm"];
 
 /// Frames that are read of a video.
 const MOST_FRAMES: u32 = 12;
+/// Pixels of a frame: a header can claim millions, and to decode so many again and again takes long.
+const MOST_PIXELS: usize = 1 << 22;
 
 /// Frames are of the announced size, and a frame that is read again is the same; or that it is not is reported, as FFmpeg
 /// fills in what is missing from what happens to be in memory.
@@ -25,6 +27,9 @@ pub fn run(data: &[u8]) {
         Err(error) => return check_message(&error.to_string()),
     };
     let size = cache.info().size;
+    if size.pixels() > MOST_PIXELS {
+        return;
+    }
     let mut frames = Vec::new();
     for position in 0..MOST_FRAMES {
         match cache.get(position) {
