@@ -72,13 +72,18 @@ impl RunSummary {
         let text = fs::read_to_string(&path).map_err(|error| TruthError::unreadable(&path, error))?;
         let summary: Self =
             serde_json::from_str(&text).map_err(|error| damaged(&format!("it is damaged: {error}")))?;
-        let RunInput { frames, first_frame, last_frame, options, .. } = &summary.input;
+        let RunInput { size, fps, frames, first_frame, last_frame, analysed, options, .. } = &summary.input;
         if last_frame < first_frame {
             return Err(damaged(&format!(
                 "the last frame, {last_frame}, is before the first, {first_frame}"
             )));
         }
-        if *frames > MAX_FRAMES || !options.is_valid() {
+        let is_of_run = *frames <= MAX_FRAMES
+            && options.is_valid()
+            && size.is_none_or(|size| size.pixels() > 0)
+            && fps.is_none_or(|fps| fps.is_finite() && fps > 0.0)
+            && analysed.as_ref().is_none_or(|analysed| analysed.span() == (*first_frame, *last_frame));
+        if !is_of_run {
             return Err(damaged("it has numbers that no run has"));
         }
         Ok(Some(summary))
@@ -151,6 +156,15 @@ mod tests {
             (input(r#""frames":99999999,"first_frame":3,"last_frame":4"#), "numbers that no run has"),
             (
                 input(r#""frames":5,"first_frame":3,"last_frame":7,"options":{"fps":-1.0}"#),
+                "numbers that no run has",
+            ),
+            (
+                input(r#""frames":1,"first_frame":5,"last_frame":5,"analysed":[[0,0]]"#),
+                "numbers that no run has",
+            ),
+            (input(r#""frames":1,"first_frame":5,"last_frame":5,"fps":0.0"#), "numbers that no run has"),
+            (
+                input(r#""frames":1,"first_frame":5,"last_frame":5,"size":{"width":0,"height":9}"#),
                 "numbers that no run has",
             ),
         ] {
