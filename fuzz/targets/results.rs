@@ -1,6 +1,10 @@
-//! `summary.json` and `tracks.json` of a run, which `export` and `score` read. A line `---` separates the two.
+//! `summary.json` and `tracks.json` of a run, which `export` and `score` read. A line `---` separates the two. What is exported
+//! can be read as results.
+
+use std::path::Path;
 
 use occluscope::cli::{export, score};
+use occluscope::truth::formats::{self, Role};
 
 use super::check_message;
 use super::folder::Folder;
@@ -20,12 +24,14 @@ pub fn run(data: &[u8]) {
     folder.write("tracks.json", tracks);
     let results = folder.path().to_str().unwrap();
     let out = folder.path().join("out");
-    let out = out.to_str().unwrap();
+    let boxes = serde_json::from_slice::<Vec<serde_json::Value>>(tracks).map(|boxes| boxes.len());
     for format in ["coco", "cvat", "mot"] {
-        let arguments = ["export", results, "--format", format, "--out", out, "--quiet"];
+        let arguments = ["export", results, "--format", format, "--out", out.to_str().unwrap(), "--quiet"];
         let matches = export::command().try_get_matches_from(arguments).unwrap();
-        if let Err(error) = export::run(&matches) {
-            check_error(&error);
+        match (export::run(&matches), &boxes) {
+            (Ok(()), Ok(boxes)) => check_file(&out, *boxes),
+            (Ok(()), Err(_)) => {}
+            (Err(error), _) => check_error(&error),
         }
     }
     // Without tracks it fails before it prints scores, but after it has read what was analysed.
@@ -34,6 +40,14 @@ pub fn run(data: &[u8]) {
     let matches = score::command().try_get_matches_from(arguments).unwrap();
     if let Err(error) = score::run(&matches) {
         check_error(&error);
+    }
+}
+
+/// An exported file has these many boxes. CVAT's without any is refused.
+fn check_file(path: &Path, boxes: usize) {
+    match formats::read(path, Role::Results) {
+        Ok(file) => assert_eq!(file.count(), boxes),
+        Err(error) => assert_eq!(boxes, 0, "{error}"),
     }
 }
 

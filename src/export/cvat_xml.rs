@@ -18,7 +18,7 @@ pub fn write(out: &mut impl Write, table: &TrackTable) -> io::Result<()> {
          <stop_frame>{last}</stop_frame><labels><label><name>{CATEGORY}</name><attributes></attributes></label></labels>\
          <original_size><width>{}</width><height>{}</height></original_size></task></meta>",
         escaped(&table.video),
-        last + 1,
+        u64::from(last) + 1,
         table.size.width,
         table.size.height
     )?;
@@ -30,7 +30,7 @@ pub fn write(out: &mut impl Write, table: &TrackTable) -> io::Result<()> {
         writeln!(out, "<track id=\"{id}\" label=\"{CATEGORY}\" source=\"auto\">")?;
         for (index, object) in boxes.iter().enumerate() {
             write_box(out, object, object.frame - table.first, false)?;
-            let next = object.frame.saturating_add(table.every);
+            let Some(next) = object.frame.checked_add(table.every) else { continue };
             let continues = boxes.get(index + 1).is_some_and(|after| after.frame <= next);
             if !continues && next - table.first <= last {
                 write_box(out, object, next - table.first, true)?;
@@ -104,6 +104,14 @@ mod tests {
         assert_eq!(tracks, [("1", expected(first)), ("4", expected(second))]);
         let sides = attributes(named("box").next().unwrap(), ["xbr", "ytl", "ybr", "keyframe"]);
         assert_eq!(sides, ["9.5", "2.25", "18.25", "1"]);
+    }
+
+    #[test]
+    fn the_last_frame_can_have_any_number() {
+        let last = TrackBox { frame: u32::MAX, ..table().boxes[0].clone() };
+        let table = TrackTable { first: 0, frames: vec![u32::MAX], boxes: vec![last], ..table() };
+        let text = written(|out| write(out, &table));
+        assert!(text.contains("<size>4294967296</size>") && text.matches("<box").count() == 1, "{text}");
     }
 
     #[test]

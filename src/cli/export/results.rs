@@ -35,7 +35,7 @@ pub(super) fn read(folder: &Path, first: u32, console: Console) -> anyhow::Resul
     }
     let is_valid = |object: &TrackBox| {
         let TrackBox { x, y, w, h, visible_share, .. } = *object;
-        [x, y, w, h, visible_share].iter().all(|value| value.is_finite()) && w >= 0.0 && h >= 0.0
+        [x, y, w * h, visible_share].iter().all(|value| value.is_finite()) && w >= 0.0 && h >= 0.0
     };
     if let Some(object) = boxes.iter().find(|object| !is_valid(object)) {
         bail!(
@@ -44,6 +44,10 @@ pub(super) fn read(folder: &Path, first: u32, console: Console) -> anyhow::Resul
             object.id,
             object.frame
         );
+    }
+    let twice = boxes.windows(2).find(|pair| (pair[0].frame, pair[0].id) == (pair[1].frame, pair[1].id));
+    if let Some([object, _]) = twice {
+        bail!("{}: {} has two boxes in frame {}; run again", tracks.display(), object.id, object.frame);
     }
     let (frames, every) = frames(&input, &boxes, folder, console);
     if let Some(object) = boxes.iter().find(|object| frames.binary_search(&object.frame).is_err()) {
