@@ -60,7 +60,11 @@ pub fn write(out: &mut impl Write, table: &SweepTable) -> io::Result<()> {
 /// Reads a table. Its axes have the values that are in the file, in the order in which they appear; measures that are no
 /// column of it are NaN, as the specificity of masks in files of earlier versions. Fails at the first row that is cut or has a value that cannot be.
 pub fn read(path: &Path) -> Result<SweepTable, SweepCsvError> {
-    let fail = |why: String| SweepCsvError { path: path.to_owned(), why };
+    let fail = |why: String| {
+        // A quoted field may contain line breaks.
+        let why = why.split_whitespace().collect::<Vec<_>>().join(" ");
+        SweepCsvError { path: path.to_owned(), why }
+    };
     let file = File::open(path).map_err(|error| fail(error.to_string()))?;
     parse(csv::Reader::from_reader(file)).map_err(fail)
 }
@@ -353,6 +357,7 @@ mod tests {
             ("sequence,k,seconds\n", "no rows"),
             ("frame,id,x\n1,2,3\n", "column `frame` is neither"),
             ("sequence,kk,seconds\na,3,1\n", "column `kk` is neither"),
+            ("sequence,\"k\nk\",seconds\na,3,1\n", "column `k k` is neither"),
             ("sequence,k,k,seconds\na,3,3,1\n", "two columns `k`"),
             ("sequence,k\na,3\n", "no column `seconds`"),
             ("sequence,k,seconds\na,3,1\na,99,1\n", "line 3: the setting `k` cannot be `99`"),
