@@ -28,6 +28,9 @@ const EXTENSIONS: [&str; 13] =
 /// Largest number of pixels of an image, as FFmpeg has it for videos. A header can claim any.
 pub(crate) const MAX_PIXELS: u64 = 1 << 28;
 
+/// Largest number of bytes of the values of an image: four channels of 16 bits of the most pixels.
+const MAX_BYTES: u64 = 8 * MAX_PIXELS;
+
 /// A JPEG's header, thumbnail included, lies within these first bytes; the decoder would read the whole file.
 const JPEG_HEADER_BYTES: u64 = 256 << 10;
 
@@ -164,6 +167,7 @@ pub(super) fn further_pictures(path: &Path) -> Option<&'static str> {
 fn upright(mut decoder: impl ImageDecoder) -> Result<DynamicImage, String> {
     let (width, height) = decoder.dimensions();
     checked_size(width, height)?;
+    check_bytes(decoder.total_bytes())?;
     let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
     // Beside the picture itself, which is not too large.
     let mut limits = Limits::default();
@@ -215,7 +219,40 @@ pub(super) fn checked_size(width: u32, height: u32) -> Result<Size, String> {
     }
 }
 
+/// Fails where a header claims more bytes of values than an image has.
+pub(super) fn check_bytes(bytes: u64) -> Result<(), String> {
+    let [claimed, most] = [bytes, MAX_BYTES].map(|bytes| bytes >> 20);
+    if bytes <= MAX_BYTES {
+        return Ok(());
+    }
+    Err(format!(
+        "its header says {claimed} MiB of values, and images have at most {most}; convert it to 16 bits"
+    ))
+}
+
 #[allow(clippy::needless_pass_by_value, reason = "fits `map_err`")]
 fn text(error: impl std::fmt::Display) -> String {
     error.to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    #[test]
+    fn bytes_that_a_header_only_claims_are_not_allocated() {
+        for (seed, claimed) in [
+            (&include_bytes!("../../fuzz/seeds/images/claims-4-gigabytes.tif")[1..], "4096 MiB"),
+            (&include_bytes!("../../fuzz/seeds/images/claims-6-gigabytes.tif")[1..], "6144 MiB"),
+        ] {
+            let file = tempfile::Builder::new().suffix(".tif").tempfile().unwrap();
+            std::fs::write(&file, seed).unwrap();
+            let image = ImageFile { path: file.path().to_owned(), page: None };
+            assert_eq!(size(&image), Ok(Size::new(16384, 16384)));
+            let why = decode(&image).unwrap_err();
+            assert!(why.contains(claimed) && why.contains("at most 2048"), "{why}");
+        }
+    }
 }

@@ -10,7 +10,7 @@ use tiff::ColorType;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
-use super::image_file::{checked_size, upright_size};
+use super::image_file::{check_bytes, checked_size, upright_size};
 use crate::frame::Size;
 
 /// The size of the image, upright.
@@ -31,6 +31,7 @@ pub(super) fn decode(file: impl Read + Seek) -> Result<DynamicImage, String> {
     if layout.planes > 1 {
         return Err("its colours are in planes of their own; convert it to one plane".into());
     }
+    check_bytes(layout.complete_len as u64)?;
     let mut limits = Limits::default();
     // The picture is not too large.
     limits.decoding_buffer_size = limits.decoding_buffer_size.max(layout.complete_len);
