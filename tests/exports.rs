@@ -258,7 +258,7 @@ fn what_is_no_results_folder_is_refused_in_one_line() {
     assert!(line.contains("frame 474") && line.contains("same run"), "{line}");
     write_tracks(&folder, &json!([track(470), track(470)]));
     let line = refused(&[]);
-    assert!(line.contains("tracks.json: 1 has two boxes in frame 470"), "{line}");
+    assert!(line.contains("tracks.json: object 1 has two boxes in frame 470"), "{line}");
     for broken in [json!({}), json!([{ "frame": 470 }])] {
         write_tracks(&folder, &broken);
         let line = refused(&[]);

@@ -123,3 +123,20 @@ fn a_model_without_a_mixture_shows_a_message() {
     assert!(harness.render().unwrap() != empty, "the message covers only quantities of the mixture");
     picture(&mut harness, "map-no-mixture");
 }
+
+#[test]
+fn the_background_of_another_frame_names_that_frame() {
+    let state = state(Phase::Ready, Some(58));
+    let mut shown = ShownFrame::clone(state.shown.as_ref().unwrap());
+    shown.background = Arc::new(Frame::new(57, SIZE, shown.background.rgb.clone()));
+    let other = State { shown: Some(Arc::new(shown.clone())), ..state.clone() };
+    let [(own, place, value), (stored, ..)] = [state, other].map(|state| {
+        let (mut harness, _) = window(Some(state), (1600.0, 1000.0), Theme::Dark);
+        let place = harness.get_by_label("Background view").rect();
+        let value = pixel_value(View::Background, &harness.state().model, &shown, (5, 5));
+        picture(&mut harness, "background");
+        (harness.render().unwrap(), place, value)
+    });
+    assert!(value.ends_with(", frame 57"), "{value}");
+    assert!(different_pixels(&own, &stored, place) > 500, "the view has a note");
+}

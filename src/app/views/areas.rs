@@ -1,8 +1,9 @@
 //! Outlines of the areas to analyse or to ignore, and of the area that is being drawn.
 
-use eframe::egui::{Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
+use eframe::egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2};
 
 use super::canvas::ViewCanvas;
+use super::draw;
 use crate::app::model::areas::Areas;
 use crate::app::theme;
 use crate::regions::roi::{Area, Purpose};
@@ -63,14 +64,7 @@ pub(super) fn hint(painter: &Painter, canvas: &ViewCanvas, draft: &Area) {
     };
     let text =
         format!("{what}: click corners, close with Enter or double click; drag for a rectangle; Esc cancels");
-    let ink = Color32::from_rgb(236, 240, 246);
-    let wrap = canvas.rect.width() - 24.0;
-    let galley = painter.layout(text, FontId::proportional(theme::MONO_TEXT), ink, wrap.max(40.0));
-    let size = galley.size() + vec2(16.0, 8.0);
-    let plate =
-        Rect::from_center_size(pos2(canvas.rect.center().x, canvas.rect.bottom() - 8.0 - size.y / 2.0), size);
-    painter.rect_filled(plate, 4.0, Color32::from_black_alpha(200));
-    painter.galley(plate.min + vec2(8.0, 4.0), galley, ink);
+    draw::note(painter, canvas, text);
 }
 
 /// Whether a click here closes the area.

@@ -1,5 +1,7 @@
 //! The background model: the mean of component 1, or of the background components.
 
+use std::sync::Arc;
+
 use super::compose_style::{Compose, ComposeStyle};
 use super::draw;
 use super::layer::ViewLayer;
@@ -7,6 +9,7 @@ use super::pane::{Pane, ViewContent};
 use crate::app::model::Model;
 use crate::app::model::view::BackgroundDisplay;
 use crate::app::theme;
+use crate::frame::Frame;
 use crate::replay::ShownFrame;
 
 /// The selected kind of background.
@@ -24,17 +27,17 @@ impl ViewContent for BackgroundContent {
     fn paint(&self, pane: &Pane<'_>) {
         let shown = pane.shown;
         let kind = in_view(pane);
-        let picture = match kind {
-            BackgroundDisplay::Mean => Some(&shown.background),
-            BackgroundDisplay::MultiMode => shown.multi_mode.as_ref(),
-        };
-        let Some(frame) = picture else {
+        let Some(frame) = picture(shown, kind) else {
             draw::message(pane.painter, &pane.canvas, draw::NO_MIXTURE, pane.colours.weak);
             return;
         };
         pane.compose(ComposeStyle::plain(composition(kind)));
         let ground = |(x, y)| theme::rgb(frame.pixel(x, y).unwrap_or_default());
         draw::values(pane.painter, &pane.canvas, |at| value(shown, kind, at), ground);
+        // Of MOG2 and KNN not every frame's image is stored.
+        if frame.number != shown.frame.number {
+            draw::note(pane.painter, &pane.canvas, format!("Background of frame {}", frame.number));
+        }
     }
 
     fn value(&self, model: &Model, shown: &ShownFrame, at: (u32, u32)) -> String {
@@ -61,11 +64,20 @@ fn in_view(pane: &Pane<'_>) -> BackgroundDisplay {
     other.filter(|_| is_published).unwrap_or(chosen)
 }
 
-/// Red, green and blue of a pixel.
+/// The picture of a kind; no model but the mixture has one of several modes.
+fn picture(shown: &ShownFrame, kind: BackgroundDisplay) -> Option<&Arc<Frame>> {
+    match kind {
+        BackgroundDisplay::Mean => Some(&shown.background),
+        BackgroundDisplay::MultiMode => shown.multi_mode.as_ref(),
+    }
+}
+
+/// Red, green and blue of a pixel, with the frame where it is another one's.
 pub(super) fn value(shown: &ShownFrame, kind: BackgroundDisplay, (x, y): (u32, u32)) -> String {
-    let colour = match kind {
-        BackgroundDisplay::Mean => shown.background.pixel(x, y),
-        BackgroundDisplay::MultiMode => shown.multi_mode.as_ref().and_then(|frame| frame.pixel(x, y)),
+    let Some((frame, [r, g, b])) = picture(shown, kind).and_then(|frame| Some((frame, frame.pixel(x, y)?)))
+    else {
+        return String::new();
     };
-    colour.map_or_else(String::new, |[r, g, b]| format!("{r} {g} {b}"))
+    let number = frame.number;
+    if number == shown.frame.number { format!("{r} {g} {b}") } else { format!("{r} {g} {b}, frame {number}") }
 }

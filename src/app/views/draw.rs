@@ -265,6 +265,18 @@ pub(crate) fn values(
     }
 }
 
+/// A note on a dark plate at the bottom of a view.
+pub(super) fn note(painter: &Painter, canvas: &ViewCanvas, text: String) {
+    let ink = Color32::from_rgb(236, 240, 246);
+    let wrap = canvas.rect.width() - 24.0;
+    let galley = painter.layout(text, FontId::proportional(theme::MONO_TEXT), ink, wrap.max(40.0));
+    let size = galley.size() + vec2(16.0, 8.0);
+    let plate =
+        Rect::from_center_size(pos2(canvas.rect.center().x, canvas.rect.bottom() - 8.0 - size.y / 2.0), size);
+    painter.rect_filled(plate, 4.0, Color32::from_black_alpha(200));
+    painter.galley(plate.min + vec2(8.0, 4.0), galley, ink);
+}
+
 /// A message in the middle of an empty view.
 pub(crate) fn message(painter: &Painter, canvas: &ViewCanvas, text: &str, colour: Color32) {
     painter.text(

@@ -38,7 +38,7 @@ fn max_frames_per_step(size: Size) -> usize {
 /// The mixture at a past frame is restored from the nearest checkpoint and replayed frame by frame, which gives the
 /// same bits as the first pass. The state of MOG2 and KNN cannot be copied. Their background images are stored
 /// instead: every frame's while there is room, then every second one's, and so on. A frame without a stored image has
-/// that of the nearest earlier one.
+/// that of the nearest earlier one, under that one's number.
 pub(crate) struct ModelTimeline {
     settings: Arc<Settings>,
     roi: Option<Arc<Roi>>,
@@ -386,9 +386,11 @@ impl ModelTimeline {
             None if is_last => ModelPictures::of_background(self.background(frame.number, frame.size)?),
             None => {
                 let kept = self.backgrounds.at_or_before(position).map(|(_, kept)| Arc::clone(kept));
+                let last = self.record.len().checked_sub(1).and_then(|last| self.record.outline(last));
                 ModelPictures::of_background(match kept {
                     Some(kept) => kept,
-                    None => self.background(frame.number, frame.size)?,
+                    // The only one left is that of the last frame.
+                    None => self.background(last.map_or(frame.number, |last| last.number), frame.size)?,
                 })
             }
         };
