@@ -47,7 +47,12 @@ pub(super) fn read(folder: &Path, first: u32, console: Console) -> anyhow::Resul
     }
     let twice = boxes.windows(2).find(|pair| (pair[0].frame, pair[0].id) == (pair[1].frame, pair[1].id));
     if let Some([object, _]) = twice {
-        bail!("{}: object {} has two boxes in frame {}; run again", tracks.display(), object.id, object.frame);
+        bail!(
+            "{}: object {} has two boxes in frame {}; run again",
+            tracks.display(),
+            object.id,
+            object.frame
+        );
     }
     let (frames, every) = frames(&input, &boxes, folder, console);
     if let Some(object) = boxes.iter().find(|object| frames.binary_search(&object.frame).is_err()) {
