@@ -19,7 +19,7 @@ use crate::replay::tasks::gather::frame_consumer::FrameConsumer as _;
 use crate::replay::tasks::gather::pixel_follower::PixelFollower;
 use crate::settings::{BackgroundModel, Preset, Settings, Span};
 use crate::source::cache::FrameCache;
-use crate::source::{self, Options, Source, SourceError, SourceInfo};
+use crate::source::{self, FpsFrom, Options, Source, SourceError, SourceInfo};
 use crate::tracking::TrackState;
 
 mod compare;
@@ -38,6 +38,20 @@ pub(super) const FIRST: u32 = 101;
 pub(super) const LEARNT: u32 = 25;
 /// A pixel that both squares pass over.
 pub(super) const PIXEL: (u32, u32) = (48, 32);
+
+/// What is known of a source of frames of this size at 25 frames a second.
+pub(super) fn info_of(size: Size) -> SourceInfo {
+    SourceInfo {
+        name: "scene".into(),
+        size,
+        pixel_aspect: None,
+        fps: 25.0,
+        fps_from: FpsFrom::Video,
+        frames: None,
+        live: false,
+        reduction: None,
+    }
+}
 
 /// Writes two squares that cross in front of a noisy texture, with a stationary camera.
 fn write_scene(folder: &Path) {

@@ -104,9 +104,8 @@ mod tests {
     use crate::frame::Frame;
     use crate::occlusion::EventKind;
     use crate::replay::tasks::analyse::PassInputs;
-    use crate::replay::tests::{scene, settings, single_pass};
+    use crate::replay::tests::{info_of, scene, settings, single_pass};
     use crate::settings::{Settings, Span};
-    use crate::source::{FpsFrom, SourceInfo};
 
     #[test]
     fn a_search_covers_the_frames_before_the_event_and_those_after_its_decision() {
@@ -114,16 +113,7 @@ mod tests {
         let settings = Settings { bootstrap: Span::Frames(0), ..settings() };
         let seen = single_pass(folder.path(), &settings);
         let size = seen[0].frame.size;
-        let info = SourceInfo {
-            name: "scene".into(),
-            size,
-            pixel_aspect: None,
-            fps: 25.0,
-            fps_from: FpsFrom::Video,
-            frames: None,
-            live: false,
-            reduction: None,
-        };
+        let info = info_of(size);
         let (settings, info) = (Arc::new(settings), Arc::new(info));
         let mut model = ModelTimeline::new(PassInputs { settings, roi: None, info, budget: 0 }).unwrap();
         let numbers: Vec<_> = (1..=300).collect();

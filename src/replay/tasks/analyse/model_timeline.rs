@@ -485,24 +485,11 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
-    use crate::replay::tests::{scene, settings, single_pass};
+    use crate::replay::tests::{info_of, scene, settings, single_pass};
     use crate::settings::Span;
 
     /// Enough frames for two checkpoints.
     const FRAMES: usize = 2 * MIN_CHECKPOINT_SPACING_FRAMES as usize + 6;
-
-    fn info_of(size: Size) -> SourceInfo {
-        SourceInfo {
-            name: "scene".into(),
-            size,
-            pixel_aspect: None,
-            fps: 25.0,
-            fps_from: crate::source::FpsFrom::Video,
-            frames: None,
-            live: false,
-            reduction: None,
-        }
-    }
 
     #[test]
     fn the_frames_needed_for_a_map_begin_at_the_nearest_model() {

@@ -81,21 +81,12 @@ impl FrameConsumer for PinFollower {
 mod tests {
     use super::*;
     use crate::frame::Size;
-    use crate::source::FpsFrom;
+    use crate::replay::tests::info_of;
 
     #[test]
     fn a_pixel_that_stays_pinned_keeps_its_colours() {
         let size = Size::new(2, 1);
-        let info = SourceInfo {
-            name: "pixels".into(),
-            size,
-            pixel_aspect: None,
-            fps: 25.0,
-            fps_from: FpsFrom::Video,
-            frames: None,
-            live: false,
-            reduction: None,
-        };
+        let info = info_of(size);
         let settings = Settings::default();
         let mut pins = PinFollower::default();
         assert_eq!(pins.next(), None);

@@ -149,21 +149,8 @@ impl FrameConsumer for PixelFollower {
 mod tests {
     use super::*;
     use crate::frame::Size;
+    use crate::replay::tests::info_of;
     use crate::settings::{LightCorrection, Span, Stabilise};
-    use crate::source::FpsFrom;
-
-    fn info_of(size: Size) -> SourceInfo {
-        SourceInfo {
-            name: "pixel".into(),
-            size,
-            pixel_aspect: None,
-            fps: 25.0,
-            fps_from: FpsFrom::Video,
-            frames: None,
-            live: false,
-            reduction: None,
-        }
-    }
 
     #[test]
     fn there_is_a_history_when_all_frames_to_learn_from_are_known() {
