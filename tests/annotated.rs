@@ -13,7 +13,7 @@ use std::process::Command;
 use common::{TABLES, TestFolder, names, noise, occluscope, text, works, write_images};
 use encoded::{make, read_all, remux, set_display_matrix, times_by_program};
 use image::{Rgb, RgbImage};
-use occluscope::export::video::VideoFile;
+use occluscope::export::video::{VideoFile, VideoKind};
 use occluscope::frame::{Frame, Size};
 use serde_json::Value;
 
@@ -26,7 +26,7 @@ fn stripes(number: u32, size: Size) -> Frame {
 
 /// Writes a video of stripes with these times.
 fn write_video(path: &Path, size: Size, fps: f32, times: &[f64]) {
-    let mut video = VideoFile::create(path, size, fps, None).unwrap();
+    let mut video = VideoFile::create(VideoKind::Playback, path, size, fps, None).unwrap();
     assert!(video.is_h264());
     for (&time, number) in times.iter().zip(1..) {
         video.write(&stripes(number, size), time).unwrap();
@@ -153,7 +153,7 @@ fn colours_are_read_back_as_they_were_written() {
         [30, 200, 90],
         [200, 30, 20],
     ];
-    let mut video = VideoFile::create(&path, size, 25.0, None).unwrap();
+    let mut video = VideoFile::create(VideoKind::Playback, &path, size, 25.0, None).unwrap();
     for (colour, number) in colours.iter().zip(1..) {
         let frame = Frame::new(number, size, colour.repeat(size.pixels()));
         video.write(&frame, f64::from(number) / 25.0).unwrap();

@@ -2,8 +2,8 @@
 //! threads, any size of batches and any instruction set.
 //!
 //! Two groups: the sample videos through the program, and rendered scenes through the library. H.264 defines every bit of a
-//! decoded picture, so the first group is the same everywhere. The frames of the second are drawn with OpenCV and the C library's
-//! sine, which may differ between versions; their own hash is told first.
+//! decoded picture, so the first group is the same everywhere. The frames of the second are drawn with the C library's sine, which
+//! may differ between versions; their own hash is told first.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -66,7 +66,7 @@ fn check(group: &str, found: &Hashes) {
     let frames = names.iter().find(|name| name.ends_with("/frames"));
     assert!(
         frames.is_none(),
-        "{group}/{} are drawn differently here: another version of OpenCV or of the C library, or a change of `synth`",
+        "{group}/{} are drawn differently here: another version of the C library, or a change of `synth`",
         frames.map_or("", |name| name)
     );
     assert!(

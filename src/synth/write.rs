@@ -2,7 +2,7 @@
 //!
 //! | file | form |
 //! | --- | --- |
-//! | `NAME.mp4` | H.264 (MPEG-4 where OpenCV lacks it); lossless: `NAME.avi`, FFV1, with exactly the rendered bits |
+//! | `NAME.mp4` | for [playback](VideoKind::Playback); [lossless](VideoKind::Lossless): `NAME.avi`, with exactly the rendered bits |
 //! | `truth/identities/000001.png` | 8 bit: the identity visible at the pixel, 0 for the background, parked cars and occluders |
 //! | `truth/gt.txt` | MOTChallenge, no header: `frame,id,x,y,w,h,1,1,visibility`; the box of the full silhouette clipped to the image, from enter to exit, occluded or not; the first pixel is (0, 0); the first 1 is 0 while a car is parked |
 //! | `truth/events.jsonl` | one event per line: `frame`, `kind`, `objects`, `becomes`, `x`, `y`, `front` |
@@ -11,14 +11,13 @@
 //!
 //! All files are written to a hidden folder in the output folder and moved when all are complete, `scene.json` last.
 
-use std::fs::{self, File};
+use std::fs;
 use std::io;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder as _};
-use opencv::{core, imgproc, prelude::*, videoio};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -27,10 +26,10 @@ use super::render::{FrameTruth, Renderer};
 use super::scene::Scene;
 use super::truth::{Recorder, SceneTruth};
 use crate::export::Staging;
-use crate::export::staging::{IsFolder, probe};
+use crate::export::staging::IsFolder;
+use crate::export::video::{VideoError, VideoFile, VideoKind};
 use crate::export::write_failure::describe;
-use crate::frame::{Frame, Size};
-use crate::source::silence_libraries;
+use crate::frame::Size;
 
 /// The folder of the identity images.
 const IDENTITIES: &str = "truth/identities";
@@ -48,13 +47,13 @@ pub enum WriteError {
     /// A file or folder cannot be written.
     #[error("{0}")]
     File(io::Error),
-    /// The video cannot be created.
-    #[error("{path} cannot be encoded: {why}")]
+    /// The video cannot be encoded.
+    #[error("{path} cannot be encoded: {why}; install FFmpeg with libx264, or choose another size")]
     Video {
         /// Its path.
         path: PathBuf,
-        /// The cause and a remedy.
-        why: String,
+        /// The cause.
+        why: VideoError,
     },
     /// The callback `progress` stopped the work.
     #[error("stopped before the end of the scene; nothing was written")]
@@ -87,16 +86,21 @@ pub fn write(
     lossless: bool,
     mut progress: impl FnMut(u32) -> ControlFlow<()>,
 ) -> Result<PathBuf, WriteError> {
-    silence_libraries();
     let out = &std::path::absolute(out).map_err(|error| describe(out, error))?;
     let staging = Staging::new(out)?;
-    let video_name = format!("{}.{}", scene.name, if lossless { "avi" } else { "mp4" });
+    let kind = if lossless { VideoKind::Lossless } else { VideoKind::Playback };
+    let video_name = format!("{}.{}", scene.name, kind.extension());
     let files =
         TRUTH.into_iter().chain([video_name.as_str(), SCENE]).map(|name| (Path::new(name), IsFolder::No));
     staging.check(files.chain([(Path::new(IDENTITIES), IsFolder::Yes)]))?;
     let identities = staging.folder(IDENTITIES)?;
 
-    let mut encoder = Encoder::open(&staging, &video_name, out, scene, lossless)?;
+    let video_error = |error| match error {
+        VideoError::File(error) => WriteError::File(error),
+        why => WriteError::Video { path: out.join(&video_name), why },
+    };
+    let video = VideoFile::create(kind, &staging.path(&video_name), scene.size, scene.fps, None);
+    let mut video = video.map_err(video_error)?;
     let renderer = Renderer::new(scene);
     let mut recorder = Recorder::new(scene.fps);
     for first in (1..=scene.frames).step_by(BATCH as usize) {
@@ -104,14 +108,14 @@ pub fn write(
         let batch: Vec<_> = (first..=last).into_par_iter().map(|number| renderer.frame(number)).collect();
         batch.par_iter().try_for_each(|(_, truth)| write_identities(&identities, truth))?;
         for (frame, truth) in &batch {
-            encoder.add(frame)?;
+            video.write(frame, frame.time).map_err(video_error)?;
             recorder.push(truth);
         }
         if progress(last).is_break() {
             return Err(WriteError::Stopped);
         }
     }
-    encoder.finish(scene.frames)?;
+    video.finish().map_err(video_error)?;
 
     write_truth(&staging, &recorder.finish())?;
     let description = SceneFile { scene, video: &video_name, parameters, version: env!("CARGO_PKG_VERSION") };
@@ -186,99 +190,24 @@ pub fn episodes_text(truth: &SceneTruth) -> String {
     header + &truth.episodes.iter().map(line).collect::<String>()
 }
 
-/// A video file in progress.
-struct Encoder<'a> {
-    staging: &'a Staging,
-    draft: PathBuf,
-    /// The final path, for messages.
-    place: PathBuf,
-    writer: videoio::VideoWriter,
-}
-
-impl<'a> Encoder<'a> {
-    /// Starts a video of this name among the staged files of folder `out`.
-    fn open(
-        staging: &'a Staging,
-        name: &str,
-        out: &Path,
-        scene: &Scene,
-        lossless: bool,
-    ) -> Result<Self, WriteError> {
-        let (draft, place) = (staging.path(name), out.join(name));
-        let codecs: &[[char; 4]] =
-            if lossless { &[['F', 'F', 'V', '1']] } else { &[['a', 'v', 'c', '1'], ['m', 'p', '4', 'v']] };
-        for codec in codecs {
-            match Self::try_open(&draft, scene.size, scene.fps, *codec) {
-                Ok(writer) if writer.is_opened().unwrap_or(false) => {
-                    return Ok(Self { staging, draft, place, writer });
-                }
-                _ => {}
-            }
-        }
-        // OpenCV does not say why.
-        File::create(&draft).map_err(|error| describe(&place, error))?;
-        probe(&staging.path("")).map_err(|error| describe(&place, error))?;
-        let why = "no encoder available; install FFmpeg's codecs (libavcodec with libx264)";
-        Err(WriteError::Video { path: place, why: why.to_owned() })
-    }
-
-    fn try_open(path: &Path, size: Size, fps: f32, codec: [char; 4]) -> opencv::Result<videoio::VideoWriter> {
-        let fourcc = videoio::VideoWriter::fourcc(codec[0], codec[1], codec[2], codec[3])?;
-        let size = core::Size::new(size.width as i32, size.height as i32);
-        videoio::VideoWriter::new_with_backend(path, videoio::CAP_FFMPEG, fourcc, f64::from(fps), size, true)
-    }
-
-    fn add(&mut self, frame: &Frame) -> Result<(), WriteError> {
-        let result = bgr(frame).and_then(|image| self.writer.write(&image));
-        result.map_err(|why| self.error(&why.message))
-    }
-
-    /// OpenCV does not report a failed write: a full disk is detected only by reading the file back.
-    fn finish(mut self, frames: u32) -> Result<(), WriteError> {
-        self.writer.release().map_err(|why| self.error(&why.message))?;
-        let readable = count_frames(&self.draft).map_err(|why| self.error(&why.message))?;
-        if readable == frames {
-            return Ok(());
-        }
-        probe(&self.staging.path("")).map_err(|error| describe(&self.place, error))?;
-        let why = format!("only {readable} of {frames} frames can be read back");
-        Err(WriteError::File(describe(&self.place, io::Error::other(why))))
-    }
-
-    fn error(&self, why: &str) -> WriteError {
-        let why = why.lines().collect::<Vec<_>>().join(" ");
-        WriteError::Video { path: self.place.clone(), why }
-    }
-}
-
-fn bgr(frame: &Frame) -> opencv::Result<core::Mat> {
-    let rgb = core::Mat::from_slice(&frame.rgb)?;
-    let rgb = rgb.reshape(3, frame.size.height as i32)?;
-    let mut bgr = core::Mat::default();
-    imgproc::cvt_color_def(&rgb, &mut bgr, imgproc::COLOR_RGB2BGR)?;
-    Ok(bgr)
-}
-
-fn count_frames(path: &Path) -> opencv::Result<u32> {
-    let mut reader = videoio::VideoCapture::from_file(path, videoio::CAP_FFMPEG)?;
-    let mut frames = 0;
-    while reader.grab()? {
-        frames += 1;
-    }
-    Ok(frames)
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
     use super::*;
+    use crate::frame::Frame;
+    use crate::source::{self, Options};
     use crate::synth::{catalogue, render};
 
     fn small(name: &str, frames: Option<u32>) -> (Scene, SceneParameters) {
         let parameters =
             SceneParameters { size: Size::new(96, 72), frames, speed: 2.0, ..SceneParameters::default() };
         (catalogue::scene(name, &parameters).unwrap(), parameters)
+    }
+
+    fn decoded(video: &Path) -> Vec<Frame> {
+        let mut source = source::open(video.to_str().unwrap(), Options::default()).unwrap();
+        std::iter::from_fn(|| source.next_frame().unwrap()).collect()
     }
 
     fn names(folder: &Path) -> Vec<String> {
@@ -302,7 +231,7 @@ mod tests {
         })
         .unwrap();
         assert_eq!((done, video.as_path()), (scene.frames, out.join("crossing.mp4").as_path()));
-        assert_eq!(count_frames(&video).unwrap(), scene.frames);
+        assert_eq!(decoded(&video).len(), scene.frames as usize);
         assert_eq!(names(&out), ["crossing.mp4", "scene.json", "truth"]);
 
         let mut recorder = Recorder::new(scene.fps);
@@ -348,13 +277,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (scene, parameters) = small("empty", Some(5));
         let video = write(&scene, &parameters, folder.path(), true, |_| ControlFlow::Continue(())).unwrap();
-        let mut reader = videoio::VideoCapture::from_file(&video, videoio::CAP_FFMPEG).unwrap();
-        for (frame, _) in render(&scene) {
-            let (mut bgr, mut rgb) = (core::Mat::default(), core::Mat::default());
-            assert!(reader.read(&mut bgr).unwrap());
-            imgproc::cvt_color_def(&bgr, &mut rgb, imgproc::COLOR_BGR2RGB).unwrap();
-            assert!(rgb.data_bytes().unwrap() == frame.rgb, "frame {}", frame.number);
-        }
+        let rendered: Vec<Frame> = render(&scene).map(|(frame, _)| frame).collect();
+        assert!(decoded(&video) == rendered);
     }
 
     #[test]
@@ -388,7 +312,7 @@ mod tests {
             assert_eq!(kept("events.jsonl"), events_text(&truth).unwrap());
             assert_eq!(kept("episodes.csv"), episodes_text(&truth));
             let video = samples.join(name).with_extension("mp4");
-            assert_eq!(count_frames(&video).unwrap(), scene.frames);
+            assert_eq!(decoded(&video).len(), scene.frames as usize);
             assert!(fs::metadata(video).unwrap().len() < 1 << 20);
         }
     }

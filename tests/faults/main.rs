@@ -110,6 +110,22 @@ fn an_error_of_the_disk_at_any_call_leaves_everything_as_it_was() {
     check_all(WRITING, false, EIO, 3);
 }
 
+/// Other writes follow and succeed, so that no later error tells of it.
+#[test]
+fn a_single_failed_write_of_a_video_is_told() {
+    for work in all_works().iter().filter(|work| work.name.starts_with("synth")) {
+        let place = work.place();
+        let fault = |at: u32| Fault { calls: "write", at, lasts: false, error: Some(EIO) };
+        let (_, count) = run(&work.arguments(place.path()), place.path(), fault(0));
+        let moments = 1..=count.unwrap();
+        let results: Vec<_> = moments.into_par_iter().map(|at| check(work, fault(at))).collect();
+        assert!(results.len() > 5, "{} writes", results.len());
+        for result in results {
+            assert_eq!(result, Ok(true), "{}", work.name);
+        }
+    }
+}
+
 #[test]
 fn a_disk_that_becomes_full_at_any_call_leaves_everything_as_it_was() {
     check_all(GROWING, true, ENOSPC, 2);

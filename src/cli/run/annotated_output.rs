@@ -3,15 +3,19 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use anyhow::anyhow;
 use rayon::prelude::*;
 
 use super::arguments::RunJob;
 use super::bulky_output::{ANNOTATED, FRAMES};
 use super::pictures::numbered;
-use crate::export::video::{VideoError, VideoFile};
+use crate::export::video::{VideoError, VideoFile, VideoKind};
 use crate::export::{Staging, picture};
 use crate::frame::Frame;
 use crate::source::SourceInfo;
+
+/// What to do about frames that no encoder accepts.
+const REMEDY: &str = "install FFmpeg with libx264, or use --frames in place of --annotated";
 
 /// The destination of annotated frames.
 ///
@@ -30,7 +34,8 @@ impl AnnotatedOutput {
         let video_path = staging.path(ANNOTATED.file);
         let mut output = Self { frames, video: None, video_path };
         if job.wants(&ANNOTATED) {
-            match VideoFile::create(&output.video_path, info.size, info.fps, info.pixel_aspect) {
+            let (path, kind) = (&output.video_path, VideoKind::Playback);
+            match VideoFile::create(kind, path, info.size, info.fps, info.pixel_aspect) {
                 Ok(video) => {
                     if !video.is_h264() {
                         job.console.note(&format!(
@@ -43,7 +48,8 @@ impl AnnotatedOutput {
                 }
                 Err(VideoError::File(error)) => return Err(error.into()),
                 Err(error) => {
-                    job.console.note(&format!("warning: {} will not be written: {error}", ANNOTATED.file));
+                    job.console
+                        .note(&format!("warning: {} will not be written: {error}; {REMEDY}", ANNOTATED.file));
                     output.give_up_video(error);
                 }
             }
@@ -75,14 +81,14 @@ impl AnnotatedOutput {
     }
 
     /// Completes the video. Fails where its file cannot be written; returns the error that ended the video alone.
-    pub(super) fn finish(self) -> anyhow::Result<Result<(), VideoError>> {
+    pub(super) fn finish(self) -> anyhow::Result<anyhow::Result<()>> {
         match self.video.map_or(Ok(()), |video| video?.finish()) {
             Err(VideoError::File(error)) => Err(error.into()),
             finished => {
                 if finished.is_err() {
                     remove(&self.video_path);
                 }
-                Ok(finished)
+                Ok(finished.map_err(|error| anyhow!("{error}; {REMEDY}")))
             }
         }
     }

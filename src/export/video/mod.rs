@@ -1,17 +1,21 @@
-//! Writes an MP4 video that browsers play, frame by frame, through FFmpeg's libraries.
+//! Writes videos frame by frame through FFmpeg's libraries, which report every error of writing.
+
+mod encoder;
 
 use std::fs::OpenOptions;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use ffmpeg::codec::{Context, Flags, Id};
+use ffmpeg::codec::Id;
 use ffmpeg::encoder::video::Encoder;
-use ffmpeg::filter::{self, Graph};
+use ffmpeg::filter::Graph;
 use ffmpeg::format::Pixel;
 use ffmpeg::format::context::Output;
 use ffmpeg::frame::Video as Picture;
-use ffmpeg::util::color;
-use ffmpeg::{Dictionary, Packet, Rational, encoder};
+use ffmpeg::{Dictionary, Packet, Rational};
+
+pub use encoder::VideoKind;
+use encoder::{MPEG4, converter, open_encoder, rate};
 
 use super::staging::probe;
 use super::write_failure::describe;
@@ -19,19 +23,10 @@ use crate::frame::{Frame, Size};
 use crate::libav::{address, wants_data};
 use crate::source::silence_libraries;
 
-/// Encoders of H.264, the better first, and one of MPEG-4 part 2, which browsers do not play.
-const ENCODERS: [&str; 3] = ["libx264", "libopenh264", MPEG4];
-const MPEG4: &str = "mpeg4";
-
-/// Least number of ticks per second: the clock of MPEG, finer than the milliseconds of Matroska.
-const MIN_TICKS: i32 = 90_000;
-/// Largest number of ticks per second in MPEG-4 part 2.
-const MAX_MPEG4_TICKS: i32 = 65_535;
-
-/// An MP4 video in progress: H.264 High with 4:2:0 chroma, BT.709 in limited range, its index at the start of the file.
+/// A video in progress, of one [`VideoKind`]. MP4 has its index at the start of the file.
 ///
-/// Odd sizes are extended to even ones by a copy of the last row and column. There are no B-frames, so that frames are
-/// decoded in the order in which they are shown. The file is complete after [`Self::finish`].
+/// Where the encoder needs even sides, odd sizes are extended by a copy of the last row and column. There are no B-frames, so
+/// that frames are decoded in the order in which they are shown. The file is complete after [`Self::finish`].
 pub struct VideoFile {
     path: PathBuf,
     output: Output,
@@ -39,6 +34,7 @@ pub struct VideoFile {
     is_h264: bool,
     converter: Graph,
     size: Size,
+    encoded_size: Size,
     /// The encoder's unit of time, in seconds.
     tick: Rational,
     /// The unit of time of the file.
@@ -58,10 +54,7 @@ pub struct VideoFile {
 #[derive(Debug, thiserror::Error)]
 pub enum VideoError {
     /// No encoder is installed, or none supports this size and rate.
-    #[error(
-        "no encoder of FFmpeg's accepts {size} pixels at {fps} frames per second; install FFmpeg with libx264, or use \
-         --frames in place of --annotated"
-    )]
+    #[error("no encoder of FFmpeg's accepts {size} pixels at {fps} frames per second")]
     Encoder {
         /// The video's size.
         size: Size,
@@ -69,7 +62,7 @@ pub enum VideoError {
         fps: f32,
     },
     /// The encoder failed after it had been opened.
-    #[error("FFmpeg's encoder failed at frame {0}; use --frames in place of --annotated")]
+    #[error("FFmpeg's encoder failed at frame {0}")]
     Frame(u32),
     /// The file cannot be created or written.
     #[error("{0}")]
@@ -80,16 +73,18 @@ impl VideoFile {
     /// Starts a video of about `fps` frames per second, whose pixels are `pixel_aspect` wide and high; square without.
     /// Fails if there is no encoder for this size and rate, or the file cannot be created.
     pub fn create(
+        kind: VideoKind,
         path: &Path,
         size: Size,
         fps: f32,
         pixel_aspect: Option<(u32, u32)>,
     ) -> Result<Self, VideoError> {
-        Self::create_with(&ENCODERS, path, size, fps, pixel_aspect)
+        Self::create_with(kind, kind.encoders(), path, size, fps, pixel_aspect)
     }
 
     /// Uses the first of these encoders that accepts the video.
     fn create_with(
+        kind: VideoKind,
         encoders: &[&str],
         path: &Path,
         size: Size,
@@ -97,15 +92,15 @@ impl VideoFile {
         pixel_aspect: Option<(u32, u32)>,
     ) -> Result<Self, VideoError> {
         silence_libraries();
-        let padded = padded(size);
+        let encoded_size = kind.encoded_size(size);
         let rate = rate(fps);
         let refused = || VideoError::Encoder { size, fps };
         let opened = encoders
             .iter()
-            .find_map(|&name| Some((name, open_encoder(name, padded, rate, pixel_aspect).ok()?)));
+            .find_map(|&name| Some((name, open_encoder(kind, name, encoded_size, rate, pixel_aspect).ok()?)));
         let (name, (encoder, tick)) = opened.ok_or_else(refused)?;
-        let converter = converter(padded).map_err(|_| refused())?;
-        let (output, file_tick) = open_output(path, &encoder, rate, tick)?;
+        let converter = converter(kind, encoded_size).map_err(|_| refused())?;
+        let (output, file_tick) = open_output(kind, path, &encoder, rate, tick)?;
         Ok(Self {
             path: path.to_owned(),
             output,
@@ -113,6 +108,7 @@ impl VideoFile {
             is_h264: name != MPEG4,
             converter,
             size,
+            encoded_size,
             tick,
             file_tick,
             nominal_step: (1.0 / (f64::from(rate) * f64::from(tick))).round() as i64,
@@ -169,8 +165,8 @@ impl VideoFile {
         if frame.size != self.size {
             return None;
         }
-        let padded = padded(self.size);
-        let mut picture = Picture::new(Pixel::RGB24, padded.width, padded.height);
+        let Size { width, height } = self.encoded_size;
+        let mut picture = Picture::new(Pixel::RGB24, width, height);
         // The crate panics on pictures without planes, which there are where memory is short.
         if picture.planes() == 0 {
             return None;
@@ -180,7 +176,7 @@ impl VideoFile {
         let rows = rows.clone().chain(rows.last());
         for (line, pixels) in picture.data_mut(0).chunks_exact_mut(stride).zip(rows) {
             line[..row].copy_from_slice(pixels);
-            if padded.width > self.size.width {
+            if width > self.size.width {
                 line[row..row + 3].copy_from_slice(&pixels[row - 3..]);
             }
         }
@@ -218,85 +214,9 @@ impl VideoFile {
     }
 }
 
-/// The size with even sides, as 4:2:0 chroma needs them.
-fn padded(size: Size) -> Size {
-    Size::new(size.width.next_multiple_of(2), size.height.next_multiple_of(2))
-}
-
-/// The rate as a fraction: whole, of NTSC, or in thousandths.
-fn rate(fps: f32) -> Rational {
-    let frames_in = |seconds: i32| f64::from(fps) * f64::from(seconds);
-    // An f32 has seven digits.
-    let is_whole = |frames: f64| (frames - frames.round()).abs() < 1e-7 * frames;
-    let seconds = [1, 1001].into_iter().find(|&seconds| is_whole(frames_in(seconds))).unwrap_or(1000);
-    Rational::new((frames_in(seconds).round() as i32).max(1), seconds).reduce()
-}
-
-/// The unit of time of an encoder, in seconds, of which a frame at this rate has a whole number.
-fn tick(encoder: &str, rate: Rational) -> Rational {
-    let frames = rate.numerator();
-    let ticks = match encoder {
-        MPEG4 if frames > MAX_MPEG4_TICKS => MAX_MPEG4_TICKS,
-        MPEG4 => MAX_MPEG4_TICKS / frames * frames,
-        _ => frames.saturating_mul((MIN_TICKS - 1) / frames + 1),
-    };
-    Rational::new(1, ticks)
-}
-
-/// Opens the encoder of this name; it and its unit of time.
-fn open_encoder(
-    name: &str,
-    size: Size,
-    rate: Rational,
-    pixel_aspect: Option<(u32, u32)>,
-) -> Result<(Encoder, Rational), ffmpeg::Error> {
-    let codec = encoder::find_by_name(name).ok_or(ffmpeg::Error::EncoderNotFound)?;
-    let tick = tick(name, rate);
-    // libx264 refuses a context that was made for any codec.
-    let mut video = Context::new_with_codec(codec).encoder().video()?;
-    video.set_width(size.width);
-    video.set_height(size.height);
-    video.set_format(Pixel::YUV420P);
-    video.set_time_base(tick);
-    video.set_frame_rate(Some(rate));
-    if let Some((width, height)) = pixel_aspect {
-        video.set_aspect_ratio(Rational::new(width as i32, height as i32));
-    }
-    video.set_colorspace(color::Space::BT709);
-    video.set_color_range(color::Range::MPEG);
-    video.set_max_b_frames(0);
-    // MP4 holds the codec's header once, apart from the frames.
-    video.set_flags(Flags::GLOBAL_HEADER);
-    let mut options = Dictionary::new();
-    options.set("color_primaries", "bt709");
-    options.set("color_trc", "bt709");
-    match name {
-        "libx264" => {
-            options.set("profile", "high");
-            // Files and quality as with `medium`, the default, in four fifths of the time.
-            options.set("preset", "fast");
-            // Hardly to be told from the input, also around thin lines and small letters.
-            options.set("crf", "18");
-            // The bytes depend on the number of threads: the same on any machine.
-            options.set("threads", "4");
-        }
-        MPEG4 => {
-            options.set("flags", "+qscale");
-            // A quantiser of 2, in FFmpeg's unit of 1/118.
-            options.set("global_quality", "236");
-        }
-        _ => {
-            options.set("profile", "high");
-            // It has no constant quality: a fifth of a bit per pixel, which suffices for noisy video.
-            let bits = 0.2 * size.pixels() as f64 * f64::from(rate);
-            options.set("b", bits.clamp(500e3, 100e6).round().to_string());
-        }
-    }
-    Ok((video.open_as_with(codec, options)?, tick))
-}
-
 /// Creates the file; it and its unit of time.
 fn open_output(
+    kind: VideoKind,
     path: &Path,
     encoder: &Encoder,
     rate: Rational,
@@ -305,7 +225,7 @@ fn open_output(
     let file_error = |error| file_error(path, error);
     let no_address = || describe(path, io::Error::from(io::ErrorKind::InvalidFilename));
     let address = address(path).ok_or_else(|| VideoError::File(no_address()))?;
-    let mut output = ffmpeg::format::output_as(&address, "mp4").map_err(file_error)?;
+    let mut output = ffmpeg::format::output_as(&address, kind.extension()).map_err(file_error)?;
     let mut stream = output.add_stream(Id::None).map_err(file_error)?;
     stream.copy_parameters_from_context(encoder.as_ref());
     stream.set_time_base(tick);
@@ -314,24 +234,11 @@ fn open_output(
     let aspect = stream.parameters().sample_aspect_ratio();
     stream.set_sample_aspect_ratio(aspect);
     let mut options = Dictionary::new();
+    // Of MP4 only.
     options.set("movflags", "+faststart");
     output.write_header_with(options).map_err(file_error)?;
     let file_tick = output.stream(0).map_or(tick, |stream| stream.time_base());
     Ok((output, file_tick))
-}
-
-/// Converts RGB to the encoder's pixel format.
-fn converter(Size { width, height }: Size) -> Result<Graph, ffmpeg::Error> {
-    let find = |name| filter::find(name).ok_or(ffmpeg::Error::FilterNotFound);
-    let mut graph = Graph::new();
-    let source = format!("video_size={width}x{height}:pix_fmt=rgb24:time_base=1/1000");
-    graph.add(&find("buffer")?, "in", &source)?;
-    graph.add(&find("buffersink")?, "out", "")?;
-    let steps = "[in]scale=flags=bicubic+accurate_rnd:out_color_matrix=bt709:out_range=limited,\
-                 format=pix_fmts=yuv420p[out]";
-    graph.output("in", 0)?.input("out", 0)?.parse(steps)?;
-    graph.validate()?;
-    Ok(graph)
 }
 
 /// The number of frames in a file, which are not decoded.
@@ -350,7 +257,7 @@ fn count_frames(path: &Path) -> Result<i64, ffmpeg::Error> {
 fn file_error(path: &Path, error: ffmpeg::Error) -> VideoError {
     let error = match error {
         ffmpeg::Error::Other { errno } => io::Error::from_raw_os_error(errno),
-        _ => cause(path, "FFmpeg's writer of MP4 files failed".to_owned()),
+        _ => cause(path, "FFmpeg's writer of videos failed".to_owned()),
     };
     VideoError::File(describe(path, error))
 }
@@ -364,6 +271,9 @@ fn cause(path: &Path, why: String) -> io::Error {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
+    use rand::{RngExt as _, SeedableRng as _};
+    use rand_pcg::Pcg32;
+
     use super::*;
     use crate::source::{self, Options};
 
@@ -373,36 +283,15 @@ mod tests {
     }
 
     #[test]
-    fn common_rates_are_fractions_with_a_whole_number_of_ticks_per_frame() {
-        for (fps, (frames, seconds), ticks, mpeg4_ticks) in [
-            (25.0, (25, 1), 90_000, 65_525),
-            (12.5, (25, 2), 90_000, 65_525),
-            (29.97, (2997, 100), 92_907, 62_937),
-            (30_000.0 / 1001.0, (30_000, 1001), 90_000, 60_000),
-            (24_000.0 / 1001.0, (24_000, 1001), 96_000, 48_000),
-            (66.667, (66_667, 1000), 133_334, 65_535),
-            (211.222, (105_611, 500), 105_611, 65_535),
-            (0.1, (1, 10), 90_000, 65_535),
-            (0.05, (1, 20), 90_000, 65_535),
-            (1000.0, (1000, 1), 90_000, 65_000),
-            (17.342_18, (8671, 500), 95_381, 60_697),
-            (0.0, (1, 1000), 90_000, 65_535),
-        ] {
-            let rate = rate(fps);
-            assert_eq!((rate.numerator(), rate.denominator()), (frames, seconds), "{fps}");
-            assert_eq!(tick("libx264", rate), Rational::new(1, ticks), "{fps}");
-            assert_eq!(tick(MPEG4, rate), Rational::new(1, mpeg4_ticks), "{fps}");
-        }
-    }
-
-    #[test]
     fn a_video_of_any_size_has_its_frames_in_order_with_any_encoder() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("video.mp4");
         let sizes = [(Size::new(64, 48), 10.0), (Size::new(65, 47), 66.667)];
-        for (encoders, is_h264) in [(&ENCODERS[..], true), (&["no such encoder", MPEG4], false)] {
+        let kind = VideoKind::Playback;
+        for (encoders, is_h264) in [(kind.encoders(), true), (&["no such encoder", MPEG4], false)] {
             for (size, fps) in sizes {
-                let mut video = VideoFile::create_with(encoders, &path, size, fps, Some((4, 3))).unwrap();
+                let mut video =
+                    VideoFile::create_with(kind, encoders, &path, size, fps, Some((4, 3))).unwrap();
                 assert_eq!(video.is_h264(), is_h264);
                 for number in 1..=5 {
                     let frame = plain(number, size, [number as u8 * 40, 0, 0]);
@@ -413,7 +302,7 @@ mod tests {
                 let mut read = source::open(path.to_str().unwrap(), Options::default()).unwrap();
                 assert!((read.info().fps - fps).abs() < 0.01, "{}", read.info().fps);
                 assert_eq!(read.info().pixel_aspect, Some((4, 3)));
-                assert_eq!(read.info().size, padded(size));
+                assert_eq!(read.info().size, kind.encoded_size(size));
                 let mut reds = Vec::new();
                 while let Some(frame) = read.next_frame().unwrap() {
                     reds.push(frame.pixel(20, 20).unwrap()[0]);
@@ -425,18 +314,49 @@ mod tests {
     }
 
     #[test]
+    fn a_lossless_video_has_the_bits_and_times_of_its_frames() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("video.avi");
+        for (size, fps) in [(Size::new(64, 48), 25.0), (Size::new(65, 47), 29.97), (Size::new(2, 3), 66.667)]
+        {
+            let mut random = Pcg32::seed_from_u64(4);
+            let frames = (1..=5).map(|number| {
+                let mut frame = plain(number, size, [0; 3]);
+                frame.rgb.fill_with(|| random.random());
+                frame.at_time(f64::from(number - 1) / f64::from(fps))
+            });
+            let frames: Vec<Frame> = frames.collect();
+            let mut video = VideoFile::create(VideoKind::Lossless, &path, size, fps, None).unwrap();
+            for frame in &frames {
+                video.write(frame, frame.time).unwrap();
+            }
+            video.finish().unwrap();
+
+            let mut read = source::open(path.to_str().unwrap(), Options::default()).unwrap();
+            assert!((read.info().fps - fps).abs() < 1e-3, "{}", read.info().fps);
+            for frame in &frames {
+                let found = read.next_frame().unwrap().unwrap();
+                assert_eq!(&found, frame, "{size}");
+                assert!((found.time - frame.time).abs() < 1e-4, "{} at {}", found.time, frame.time);
+            }
+            assert_eq!(read.next_frame().unwrap(), None);
+        }
+    }
+
+    #[test]
     fn what_cannot_be_written_is_an_error() {
         let folder = tempfile::tempdir().unwrap();
-        let (size, path) = (Size::new(64, 48), folder.path().join("video.mp4"));
+        let (kind, size) = (VideoKind::Playback, Size::new(64, 48));
+        let path = folder.path().join("video.mp4");
         let create = |encoders: &[&str], path: &Path, size| {
-            VideoFile::create_with(encoders, path, size, 25.0, None).map(drop)
+            VideoFile::create_with(kind, encoders, path, size, 25.0, None).map(drop)
         };
         assert!(matches!(create(&[], &path, size), Err(VideoError::Encoder { .. })));
         let huge = Size::new(16_400, 16);
-        assert!(matches!(create(&ENCODERS, &path, huge), Err(VideoError::Encoder { .. })));
+        assert!(matches!(create(kind.encoders(), &path, huge), Err(VideoError::Encoder { .. })));
         assert!(!path.exists(), "no file without an encoder");
         let elsewhere = folder.path().join("missing/video.mp4");
-        let why = create(&ENCODERS, &elsewhere, size).unwrap_err().to_string();
+        let why = create(kind.encoders(), &elsewhere, size).unwrap_err().to_string();
         let place = elsewhere.display();
         assert_eq!(
             why,
@@ -445,7 +365,7 @@ mod tests {
             )
         );
 
-        let mut video = VideoFile::create(&path, size, 25.0, None).unwrap();
+        let mut video = VideoFile::create(kind, &path, size, 25.0, None).unwrap();
         let other = plain(7, Size::new(48, 64), [0; 3]);
         assert!(matches!(video.write(&other, 0.0), Err(VideoError::Frame(7))));
     }
@@ -455,14 +375,16 @@ mod tests {
     fn a_full_disk_is_an_error() {
         let size = Size::new(64, 48);
         let full = Path::new("/dev/full");
-        let write = || {
-            let mut video = VideoFile::create(full, size, 25.0, None)?;
-            for number in 1..=5 {
-                video.write(&plain(number, size, [90; 3]), f64::from(number) / 25.0)?;
-            }
-            video.finish()
-        };
-        let error: VideoError = write().unwrap_err();
-        assert!(error.to_string().contains("the disk is full"), "{error}");
+        for kind in [VideoKind::Playback, VideoKind::Lossless] {
+            let write = || {
+                let mut video = VideoFile::create(kind, full, size, 25.0, None)?;
+                for number in 1..=5 {
+                    video.write(&plain(number, size, [90; 3]), f64::from(number) / 25.0)?;
+                }
+                video.finish()
+            };
+            let error: VideoError = write().unwrap_err();
+            assert!(error.to_string().contains("the disk is full"), "{kind:?}: {error}");
+        }
     }
 }
