@@ -87,3 +87,34 @@ impl ScoreJob {
         Self { truth: Arc::clone(truth), score }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::truth::boxes::{Bounds, Boxes};
+
+    /// The boxes of one object, which moves to the right from `x` on in ten frames.
+    fn boxes(x: f64) -> Boxes {
+        let of_frame = |number: u32| [(1, Bounds([x + f64::from(number), 5.0, 10.0, 20.0]))].into();
+        (1..=10).map(|number| (number, of_frame(number))).collect()
+    }
+
+    #[test]
+    fn another_truth_is_scored_from_the_start() {
+        let truth = |x| Arc::new(Truth { boxes: Some(boxes(x)), ..Truth::default() });
+        let (far, equal) = (truth(30.0), truth(0.0));
+        let analysed: Vec<u32> = (1..=10).collect();
+        let results = Arc::new(ExternalResults { boxes: Some(boxes(0.0)), ..ExternalResults::default() });
+        let mut scorer = ExternalScorer::default();
+        assert_eq!(scorer.advance(&equal, &analysed, false), ScoreStep::Idle);
+        scorer.set_results(Some(Arc::clone(&results)));
+        scorer.job = Some(ScoreJob::start(&far, &results, (1..=10).collect(), false));
+        while scorer.advance(&equal, &analysed, false) != ScoreStep::Finished {}
+        assert!(scorer.by(&far).is_none());
+        let tracks = scorer.by(&equal).and_then(|score| score.tracks.clone()).unwrap();
+        assert_eq!((tracks.strict.mota, tracks.strict.idf1), (1.0, 1.0));
+        scorer.set_results(Some(results));
+        assert!(scorer.by(&equal).is_none(), "the score is that of the earlier results");
+    }
+}

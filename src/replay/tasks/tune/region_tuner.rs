@@ -180,6 +180,9 @@ mod tests {
         }
         assert_eq!(tuner.region.as_ref().unwrap().frames.len(), 76, "no frame after the last scored one");
         assert!(tuner.advance(&settings).is_none(), "no request is pending");
+        let part: Vec<_> = frames[..76].iter().map(|frame| frame.cut(&(28..33), &(28..33))).collect();
+        let labels: Vec<_> =
+            part.iter().map(|frame| Some(truth.of(frame.number)?.cut(&(28..33), &(28..33)))).collect();
         for tuned_settings in
             [[TunableSetting::Alpha, TunableSetting::T], [TunableSetting::K, TunableSetting::Lambda]]
         {
@@ -190,9 +193,6 @@ mod tests {
             let [across, up] = &tuning.axes;
             assert_eq!(tuning.cells.len(), across.values.len() * up.values.len());
             assert_eq!((tuning.frames, tuning.present.all()), (19, 19 * 25));
-            let part: Vec<_> = frames[..76].iter().map(|frame| frame.cut(&(28..33), &(28..33))).collect();
-            let labels: Vec<_> =
-                part.iter().map(|frame| Some(truth.of(frame.number)?.cut(&(28..33), &(28..33)))).collect();
             for (column, row) in [(0, 0), (5, 2), (1, up.values.len() - 1)] {
                 let cell = tuned_settings[1].with(&tuning.parameters, up.values[row]);
                 let cell = tuned_settings[0].with(&cell, across.values[column]);
@@ -203,6 +203,11 @@ mod tests {
         }
         let other = Settings { alpha: 0.2, ..settings };
         assert!(tuner.advance(&other).is_some(), "another question");
+        let last = Settings { alpha: 0.05, ..settings };
+        assert!(std::iter::from_fn(|| tuner.advance(&last)).count() > 0, "and one more before its answer");
+        let tuning = tuner.latest().unwrap();
+        assert_eq!(tuning.parameters, Parameters::new(&last));
+        assert_eq!(tuning.present, of_mixture(&part, &labels, tuning.parameters));
         tuner.forget();
         assert!(tuner.latest().is_none() && tuner.advance(&other).is_none());
     }
