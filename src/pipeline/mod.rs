@@ -4,12 +4,13 @@
 mod background_subtractor;
 mod offline;
 mod region_finder;
+mod segmentation;
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 pub use self::offline::{OfflineResult, offline_result};
+pub use self::segmentation::FrameRegions;
+use self::segmentation::Segmentation;
 
 pub(crate) use self::background_subtractor::BackgroundSubtractor;
 pub(crate) use self::offline::{LateDecisions, TrackedFrame, offline_result_of};
@@ -114,104 +115,26 @@ pub struct Analysis {
 /// # Ok::<(), occluscope::pipeline::PipelineError>(())
 /// ```
 pub struct Pipeline {
-    size: Size,
+    segmentation: Segmentation,
+    tracking: Tracking,
+}
+
+/// The stages from tracking on with their state.
+#[derive(Clone)]
+struct Tracking {
+    /// Number of frames so far.
     t: u32,
-    model: BackgroundSubtractor,
-    region_finder: RegionFinder,
     tracker: Tracker,
 }
 
-impl Pipeline {
-    /// The stages before the first frame, for frames of `size` at `fps` frames per second. Fails only if OpenCV cannot
-    /// create MOG2 or KNN.
-    pub fn new(settings: &Settings, size: Size, fps: f32) -> Result<Self, PipelineError> {
-        Ok(Self {
-            size,
-            t: 0,
-            model: BackgroundSubtractor::new(settings, size)?,
-            region_finder: RegionFinder::new(settings, None),
-            tracker: Tracker::new(settings, size, fps),
-        })
-    }
-
-    /// Sets the region of interest from the next frame on, `None` for the whole image: foreground outside it is
-    /// removed before cleaning. The model still learns every pixel. Fails if the mask has another size than the
-    /// frames.
-    pub fn set_roi(&mut self, roi: Option<Arc<Roi>>) -> Result<(), PipelineError> {
-        roi.as_ref().map_or(Ok(()), |roi| roi.check(self.size))?;
-        self.region_finder.roi = roi;
-        Ok(())
-    }
-
-    /// Lets only the model learn from frames before the first step: those of [`Settings::bootstrap`], which are
-    /// classified afterwards.
-    pub fn learn(&mut self, frames: &[&Frame]) -> Result<(), PipelineError> {
-        self.check_sizes(frames)?;
-        self.model.learn(frames)
-    }
-
-    /// Starts classification with the learned model after the last frame to learn from. Needed only to read the model
-    /// before the first step, which otherwise does the same.
-    pub fn begin(&mut self) {
-        self.model.begin();
-    }
-
-    fn check_sizes(&self, frames: &[&Frame]) -> Result<(), PipelineError> {
-        frames.iter().find(|frame| frame.size != self.size).map_or(Ok(()), |other| {
-            let (found, expected) = (other.size, self.size);
-            Err(PipelineError::Size { frame: other.number, found, expected })
-        })
-    }
-
-    /// Processes the next frame in all stages.
-    pub fn step(&mut self, frame: &Frame) -> Result<Analysis, PipelineError> {
-        let mut analyses = self.step_many(&[frame])?;
-        // One frame gives one analysis.
-        Ok(analyses.swap_remove(0))
-    }
-
-    /// Processes the next frames in all stages, in order: equal to [`Self::step`] frame by frame but faster, because
-    /// most of the work on a frame is independent of the previous one.
-    pub fn step_many(&mut self, frames: &[&Frame]) -> Result<Vec<Analysis>, PipelineError> {
-        let raw = self.masks(frames)?;
-        self.analyse_masks(frames, raw)
-    }
-
-    /// The model's masks of the next frames, before cleaning: the first stage only. Each has to be passed to
-    /// [`Self::analyse_masks`].
-    pub fn masks(&mut self, frames: &[&Frame]) -> Result<Vec<Mask>, PipelineError> {
-        self.check_sizes(frames)?;
-        self.model.masks(frames)
-    }
-
-    /// Processes frames in all stages after the model: `raw` is the mask of each frame, from [`Self::masks`] or from
-    /// another segmentation. Frames and masks have the size of the pipeline.
-    pub fn analyse_masks(
-        &mut self,
-        frames: &[&Frame],
-        raw: Vec<Mask>,
-    ) -> Result<Vec<Analysis>, PipelineError> {
-        let region_finder = &self.region_finder;
-        let found = frames.par_iter().zip(raw).map(|(frame, raw)| {
-            let mask = region_finder.clean(frame, raw)?;
-            let (labels, regions) = region_finder.find(frame, &mask);
-            Ok((mask, labels, regions))
-        });
-        let found = found.collect::<Result<Vec<_>, PipelineError>>()?;
-        let analyses = frames.iter().zip(found).map(|(frame, (mask, labels, regions))| {
-            self.follow((frame.number, frame.time), Arc::new(mask), Arc::new(labels), Arc::new(regions))
-        });
-        Ok(analyses.collect())
+impl Tracking {
+    fn new(settings: &Settings, size: Size, fps: f32) -> Self {
+        Self { t: 0, tracker: Tracker::new(settings, size, fps) }
     }
 
     /// Tracks the objects of the next frame and decides its events, from its regions.
-    fn follow(
-        &mut self,
-        (number, time): (u32, f64),
-        mask: Arc<Mask>,
-        labels: Arc<Labels>,
-        regions: Arc<Vec<Region>>,
-    ) -> Analysis {
+    fn step(&mut self, found: FrameRegions) -> Analysis {
+        let FrameRegions { number, time, mask, labels, regions } = found;
         self.t += 1;
         let result = self.tracker.step(number, time, &regions);
         Analysis {
@@ -230,51 +153,125 @@ impl Pipeline {
         }
     }
 
+    fn step_many(&mut self, found: Vec<FrameRegions>) -> Vec<Analysis> {
+        found.into_iter().map(|found| self.step(found)).collect()
+    }
+}
+
+impl Pipeline {
+    /// The stages before the first frame, for frames of `size` at `fps` frames per second. Fails only if OpenCV cannot
+    /// create MOG2 or KNN.
+    pub fn new(settings: &Settings, size: Size, fps: f32) -> Result<Self, PipelineError> {
+        let (segmentation, tracking) =
+            (Segmentation::new(settings, size)?, Tracking::new(settings, size, fps));
+        Ok(Self { segmentation, tracking })
+    }
+
+    /// Sets the region of interest from the next frame on, `None` for the whole image: foreground outside it is
+    /// removed before cleaning. The model still learns every pixel. Fails if the mask has another size than the
+    /// frames.
+    pub fn set_roi(&mut self, roi: Option<Arc<Roi>>) -> Result<(), PipelineError> {
+        roi.as_ref().map_or(Ok(()), |roi| roi.check(self.segmentation.size()))?;
+        self.segmentation.region_finder.roi = roi;
+        Ok(())
+    }
+
+    /// Lets only the model learn from frames before the first step: those of [`Settings::bootstrap`], which are
+    /// classified afterwards.
+    pub fn learn(&mut self, frames: &[&Frame]) -> Result<(), PipelineError> {
+        self.segmentation.learn(frames)
+    }
+
+    /// Starts classification with the learned model after the last frame to learn from. Needed only to read the model
+    /// before the first step, which otherwise does the same.
+    pub fn begin(&mut self) {
+        self.segmentation.model.begin();
+    }
+
+    /// Processes the next frame in all stages.
+    pub fn step(&mut self, frame: &Frame) -> Result<Analysis, PipelineError> {
+        let mut analyses = self.step_many(&[frame])?;
+        // One frame gives one analysis.
+        Ok(analyses.swap_remove(0))
+    }
+
+    /// Processes the next frames in all stages, in order: equal to [`Self::step`] frame by frame but faster, because
+    /// most of the work on a frame is independent of the previous one.
+    pub fn step_many(&mut self, frames: &[&Frame]) -> Result<Vec<Analysis>, PipelineError> {
+        let found = self.segmentation.step_many(frames)?;
+        Ok(self.tracking.step_many(found))
+    }
+
+    /// Processes the next frames in the stages before tracking, and at the same time `found`, the result for the frames
+    /// before them, in the other stages. Together, calls equal [`Self::step_many`]; the first has nothing found, and the last
+    /// no frames.
+    pub fn step_staggered(
+        &mut self,
+        found: Vec<FrameRegions>,
+        frames: &[&Frame],
+    ) -> Result<(Vec<Analysis>, Vec<FrameRegions>), PipelineError> {
+        let Self { segmentation, tracking } = self;
+        let (analyses, found) = rayon::join(|| tracking.step_many(found), || segmentation.step_many(frames));
+        Ok((analyses, found?))
+    }
+
+    /// The model's masks of the next frames, before cleaning: the first stage only. Each has to be passed to
+    /// [`Self::analyse_masks`].
+    pub fn masks(&mut self, frames: &[&Frame]) -> Result<Vec<Mask>, PipelineError> {
+        self.segmentation.masks(frames)
+    }
+
+    /// Processes frames in all stages after the model: `raw` is the mask of each frame, from [`Self::masks`] or from
+    /// another segmentation. Frames and masks have the size of the pipeline.
+    pub fn analyse_masks(
+        &mut self,
+        frames: &[&Frame],
+        raw: Vec<Mask>,
+    ) -> Result<Vec<Analysis>, PipelineError> {
+        let found = self.segmentation.regions(frames, raw)?;
+        Ok(self.tracking.step_many(found))
+    }
+
     /// Restarts the stages after the model under `settings`, which must be the same for the model. Frames then pass
     /// through [`Self::analyse_masks`] in order, with the model's masks.
     pub fn restart_after_model(&mut self, settings: &Settings, fps: f32) {
-        self.region_finder = RegionFinder::new(settings, self.region_finder.roi.take());
+        let finder = &mut self.segmentation.region_finder;
+        *finder = RegionFinder::new(settings, finder.roi.take());
         self.restart_tracking(settings, fps);
     }
 
     /// Restarts tracking under `settings`, which may differ only in tracking and occlusion; the model and the other
     /// stages before tracking are unchanged.
     pub fn restart_tracking(&mut self, settings: &Settings, fps: f32) {
-        self.t = 0;
-        self.tracker = Tracker::new(settings, self.size, fps);
+        self.tracking = Tracking::new(settings, self.segmentation.size(), fps);
     }
 
     /// Processes the regions of an analysed frame in tracking and occlusion only, after [`Self::restart_tracking`]
     /// and in the order of frames.
     pub fn track_again(&mut self, analysis: &Analysis) -> Analysis {
-        let Analysis { number, time, mask, labels, regions, .. } = analysis;
-        self.follow((*number, *time), Arc::clone(mask), Arc::clone(labels), Arc::clone(regions))
+        let Analysis { number, time, mask, labels, regions, .. } = analysis.clone();
+        self.tracking.step(FrameRegions { number, time, mask, labels, regions })
     }
 
     /// What is decided if the last frame was the last of the sequence. The pipeline may continue.
     pub(crate) fn decide_pending(&self) -> FinalResult {
-        self.tracker.clone().finish()
+        self.tracking.tracker.clone().finish()
     }
 
     /// The model's background: the mean of component 1, or the background image of MOG2 or KNN; RGB bytes in row
     /// order.
     pub fn background_image(&self) -> Result<Vec<u8>, PipelineError> {
-        self.model.background_image()
+        self.segmentation.model.background_image()
     }
 
     /// The mixture; `None` with MOG2 or KNN.
     pub const fn mixture(&self) -> Option<&Mixture> {
-        self.model.mixture()
+        self.segmentation.model.mixture()
     }
 
     /// A copy of the current state; `None` for MOG2 and KNN, whose state cannot be copied.
     pub fn try_clone(&self) -> Option<Self> {
-        Some(Self {
-            model: self.model.try_clone()?,
-            tracker: self.tracker.clone(),
-            region_finder: self.region_finder.clone(),
-            ..*self
-        })
+        Some(Self { segmentation: self.segmentation.try_clone()?, tracking: self.tracking.clone() })
     }
 }
 
@@ -335,6 +332,36 @@ mod tests {
         let boxes: Vec<_> =
             offline.tracks.iter().map(|frame| (frame.tracks[0].id, frame.tracks[0].bbox.x)).collect();
         assert_eq!(boxes, (0..12).map(|at| (1, 8.0 + 2.0 * at as f32)).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn staggered_steps_equal_steps() {
+        let frames: Vec<Frame> = (1..=20)
+            .map(|number| {
+                let mut frame = frame(number);
+                for y in (16..32).filter(|_| number >= 2) {
+                    let start = 64 * y + 4 + 2 * number as usize;
+                    frame.rgb[3 * start..3 * (start + 8)].fill(220);
+                }
+                frame
+            })
+            .collect();
+        let frames: Vec<&Frame> = frames.iter().collect();
+        let expected = pipeline().step_many(&frames).unwrap();
+        assert_eq!(expected.last().unwrap().counters.appear, 1);
+
+        let (mut pipeline, mut found, mut analyses) = (pipeline(), Vec::new(), Vec::new());
+        for batch in [&frames[..7], &frames[7..8], &frames[8..], &[]] {
+            let (tracked, next) = pipeline.step_staggered(found, batch).unwrap();
+            analyses.extend(tracked);
+            found = next;
+        }
+        assert!(found.is_empty());
+        assert_eq!(analyses.len(), expected.len());
+        for (found, expected) in analyses.iter().zip(&expected) {
+            assert_eq!((found.number, found.t), (expected.number, expected.t));
+            assert_eq!((&found.objects, &found.events), (&expected.objects, &expected.events));
+        }
     }
 
     #[test]
