@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder as _};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::catalogue::SceneParameters;
 use super::render::{FrameTruth, Renderer};
@@ -31,6 +31,8 @@ use crate::export::video::{VideoError, VideoFile, VideoKind};
 use crate::export::write_failure::describe;
 use crate::frame::Size;
 
+/// The folder of the truth.
+const TRUTH_FOLDER: &str = "truth";
 /// The folder of the identity images.
 const IDENTITIES: &str = "truth/identities";
 /// The other files of the truth.
@@ -55,6 +57,17 @@ pub enum WriteError {
         /// The cause.
         why: VideoError,
     },
+    /// The ground truth in the folder is that of another video there.
+    #[error(
+        "{video} would lose its ground truth, {truth}, which is replaced; remove it, or choose another folder",
+        truth = truth.display(), video = video.display()
+    )]
+    OtherVideo {
+        /// The other video.
+        video: PathBuf,
+        /// The folder of the ground truth.
+        truth: PathBuf,
+    },
     /// The callback `progress` stopped the work.
     #[error("stopped before the end of the scene; nothing was written")]
     Stopped,
@@ -77,7 +90,8 @@ struct SceneFile<'a> {
 }
 
 /// Renders a scene into folder `out`, which is created if necessary, and returns the path of the video. Only existing
-/// files of the same names are replaced, and identity images beyond the scene's frames removed. `progress` is called
+/// files of the same names are replaced, and identity images beyond the scene's frames removed. Fails where `out` holds
+/// another video, which would lose its ground truth. `progress` is called
 /// with the number of rendered frames and can stop the work.
 pub fn write(
     scene: &Scene,
@@ -93,6 +107,7 @@ pub fn write(
     let files =
         TRUTH.into_iter().chain([video_name.as_str(), SCENE]).map(|name| (Path::new(name), IsFolder::No));
     staging.check(files.chain([(Path::new(IDENTITIES), IsFolder::Yes)]))?;
+    check_other_video(out, &video_name)?;
     let identities = staging.folder(IDENTITIES)?;
 
     let video_error = |error| match error {
@@ -123,6 +138,21 @@ pub fn write(
     write_text(&staging, SCENE, &(text + "\n"))?;
     staging.publish(SCENE)?;
     Ok(out.join(video_name))
+}
+
+/// Fails if the scene in `out` has another video than `video_name`.
+fn check_other_video(out: &Path, video_name: &str) -> Result<(), WriteError> {
+    #[derive(Deserialize)]
+    struct EarlierScene {
+        video: String,
+    }
+    let Ok(text) = fs::read_to_string(out.join(SCENE)) else { return Ok(()) };
+    let Ok(EarlierScene { video }) = serde_json::from_str(&text) else { return Ok(()) };
+    let path = out.join(&video);
+    if video != video_name && path.is_file() {
+        return Err(WriteError::OtherVideo { video: path, truth: out.join(TRUTH_FOLDER) });
+    }
+    Ok(())
 }
 
 fn image_name(number: u32) -> String {
@@ -295,6 +325,33 @@ mod tests {
         assert_eq!(images, ["000001.png", "000002.png", "000003.png", "000004.png", "000123b.png"]);
         assert_eq!(names(out), ["empty.mp4", "notes.txt", "scene.json", "truth"]);
         assert_eq!(fs::read_to_string(out.join("notes.txt")).unwrap(), "mine");
+    }
+
+    #[test]
+    fn another_video_keeps_its_truth() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path();
+        let written = |name: &str, lossless| {
+            let (scene, parameters) = small(name, Some(3));
+            write(&scene, &parameters, out, lossless, |_| ControlFlow::Continue(()))
+        };
+        written("empty", false).unwrap();
+        let earlier = fs::read(out.join("scene.json")).unwrap();
+        for (name, lossless) in [("empty", true), ("crossing", false)] {
+            let message = written(name, lossless).unwrap_err().to_string();
+            let (video, truth) = (out.join("empty.mp4"), out.join("truth"));
+            let expected = format!(
+                "{} would lose its ground truth, {}, which is replaced; remove it, or choose another folder",
+                video.display(),
+                truth.display()
+            );
+            assert_eq!(message, expected);
+            assert_eq!(names(out), ["empty.mp4", "scene.json", "truth"]);
+            assert_eq!(fs::read(out.join("scene.json")).unwrap(), earlier);
+        }
+        fs::remove_file(out.join("empty.mp4")).unwrap();
+        written("empty", true).unwrap();
+        assert_eq!(names(out), ["empty.avi", "scene.json", "truth"]);
     }
 
     #[test]

@@ -91,7 +91,7 @@ impl Inputs {
             work(
                 "synth lossless",
                 "synth empty --frames 3 --size 64x64 --lossless --out OUT",
-                "synth empty --frames 2 --size 64x64 --seed 2 --out OUT",
+                "synth empty --frames 2 --size 64x64 --seed 2 --lossless --out OUT",
             ),
         ]
     }

@@ -6,7 +6,7 @@ use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::thread;
 
-use crate::common::{TestFolder, noise, scene, write_images};
+use crate::common::{TestFolder, noise, scene, text, works, write_images};
 use crate::encoded::{encode, make, remux};
 use crate::{assert_refused, frames_of, has_time, read_all, run};
 
@@ -146,6 +146,25 @@ fn set_number(path: &Path, name: &[u8], after: usize, number: [u8; 4]) {
     let at = bytes.windows(name.len()).position(|window| window == name).unwrap() + after;
     bytes[at..at + 4].copy_from_slice(&number);
     fs::write(path, bytes).unwrap();
+}
+
+/// FFV1 has nothing else that tells a changed byte from the right one.
+#[test]
+fn a_changed_byte_of_a_lossless_scene_is_told() {
+    let place = TestFolder::new();
+    let scene = place.path("scene");
+    let line = ["synth", "empty", "--frames", "9", "--size", "64x64", "--lossless", "--quiet", "--out"];
+    works(&[&line[..], &[text(&scene)]].concat());
+    let video = scene.join("empty.avi");
+    let whole = fs::read(&video).unwrap();
+    for share in [3, 5, 7] {
+        let mut bytes = whole.clone();
+        bytes[whole.len() * share / 10] ^= 0x55;
+        fs::write(&video, bytes).unwrap();
+        let (frames, warnings) = read_all(&video).unwrap();
+        assert_eq!(frames, 9);
+        assert!(warnings.iter().any(|warning| warning.contains("is damaged")), "{warnings:?}");
+    }
 }
 
 #[test]

@@ -73,12 +73,14 @@ const MIN_TICKS: i32 = 90_000;
 /// Largest number of ticks per second in MPEG-4 part 2.
 const MAX_MPEG4_TICKS: i32 = 65_535;
 
-/// The rate as a fraction: whole, of NTSC, or in thousandths.
+/// The rate as a fraction: whole, of NTSC, over at most 100 seconds (as where every third frame is taken), or in
+/// thousandths.
 pub(super) fn rate(fps: f32) -> Rational {
     let frames_in = |seconds: i32| f64::from(fps) * f64::from(seconds);
     // An f32 has seven digits.
     let is_whole = |frames: f64| (frames - frames.round()).abs() < 1e-7 * frames;
-    let seconds = [1, 1001].into_iter().find(|&seconds| is_whole(frames_in(seconds))).unwrap_or(1000);
+    let seconds =
+        [1, 1001].into_iter().chain(2..=100).find(|&seconds| is_whole(frames_in(seconds))).unwrap_or(1000);
     Rational::new((frames_in(seconds).round() as i32).max(1), seconds).reduce()
 }
 
@@ -126,7 +128,14 @@ pub(super) fn open_encoder(
         options.set("color_trc", "bt709");
     }
     match name {
-        FFV1 => {}
+        // FFmpeg's slices of a picture two pixels wide lose bits.
+        FFV1 if size.shorter_side() < 3 => {}
+        FFV1 => {
+            // Each slice has a checksum, by which a decoder notices damage.
+            options.set("level", "3");
+            options.set("slices", "4");
+            options.set("slicecrc", "1");
+        }
         "libx264" => {
             options.set("profile", "high");
             // Files and quality as with `medium`, the default, in four fifths of the time.
@@ -172,6 +181,7 @@ mod tests {
         for (fps, (frames, seconds), ticks, mpeg4_ticks) in [
             (25.0, (25, 1), 90_000, 65_525),
             (12.5, (25, 2), 90_000, 65_525),
+            (25.0 / 3.0, (25, 3), 90_000, 65_525),
             (29.97, (2997, 100), 92_907, 62_937),
             (30_000.0 / 1001.0, (30_000, 1001), 90_000, 60_000),
             (24_000.0 / 1001.0, (24_000, 1001), 96_000, 48_000),
