@@ -145,7 +145,7 @@ impl Frames {
         let (mut left, mut over) = (most as usize, false);
         while left > 0 && !over {
             if interrupt::is_stop_requested() {
-                bail!("stopped before bootstrap on {} was complete", self.info.name);
+                bail!("stopped before bootstrap on {} was complete; nothing was written", self.info.name);
             }
             let Batch { frames, after } = self.batch(left.min(BATCH));
             learn(&frames.iter().collect::<Vec<_>>())?;

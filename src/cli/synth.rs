@@ -12,6 +12,7 @@ use super::{interrupt, standard_output};
 use crate::frame::Size;
 use crate::synth::noise::CameraNoise;
 use crate::synth::{self, SceneParameters, catalogue};
+use crate::truth::counted;
 
 /// Defines the subcommand. All invalid values are detected here, as wrong usage.
 pub fn command() -> Command {
@@ -120,9 +121,9 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     })?;
     drop(bar);
     console.note(&format!(
-        "{}: {} frames of {}, with ground truth",
+        "{}: {} of {}, with ground truth",
         video.display(),
-        scene.frames,
+        counted(scene.frames as usize, "frame", "frames"),
         scene.size
     ));
     Ok(())

@@ -25,11 +25,15 @@ pub fn describe(path: &Path, error: io::Error) -> io::Error {
         ErrorKind::StorageFull => format!("the disk is full; free some space, {elsewhere}"),
         ErrorKind::QuotaExceeded => format!("your quota on the disk is used up; delete files, {elsewhere}"),
         ErrorKind::FileTooLarge => {
-            format!("it exceeds the largest size of a file here; raise it (ulimit -f), {elsewhere}")
+            let what = if path.is_dir() { "a temporary file in it" } else { "it" };
+            format!("{what} exceeds the largest size of a file here; raise it (ulimit -f), {elsewhere}")
         }
         ErrorKind::ReadOnlyFilesystem => "the disk is read-only; choose another place".to_owned(),
         ErrorKind::PermissionDenied => format!("permission denied; change its permissions, {elsewhere}"),
         ErrorKind::IsADirectory => format!("it is a folder; remove it, {elsewhere}"),
+        ErrorKind::NotADirectory if path.exists() => {
+            format!("it is a file, not a folder; remove it, {elsewhere}")
+        }
         ErrorKind::NotADirectory => "a part of its path is a file; choose another place".to_owned(),
         ErrorKind::InvalidFilename => {
             "its name is too long or not possible here; choose another name".to_owned()

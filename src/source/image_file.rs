@@ -186,6 +186,9 @@ fn reader(path: &Path) -> Result<ImageReader<BufReader<File>>, String> {
             text(error)
         }
     })?;
+    if file.metadata().is_ok_and(|metadata| metadata.len() == 0) {
+        return Err("the file is empty".into());
+    }
     ImageReader::new(BufReader::new(file)).with_guessed_format().map_err(text)
 }
 

@@ -308,9 +308,10 @@ fn unreadable_images_are_skipped_with_their_numbers() {
     let folder = folder();
     let path =
         |index: u32, extension: &str| -> PathBuf { folder.path().join(format!("f{index}.{extension}")) };
-    for index in [1, 2, 3, 5] {
+    for index in [1, 2, 3, 5, 7, 8] {
         picture(32, 24, index).save(path(index, "png")).unwrap();
     }
+    fs::write(path(7, "png"), "").unwrap();
     picture(32, 24, 4).save(path(4, "jpg")).unwrap();
     picture(32, 24, 6).save(path(6, "jpg")).unwrap();
     // No header, a header without pixels, and the first half of a JPEG.
@@ -320,9 +321,11 @@ fn unreadable_images_are_skipped_with_their_numbers() {
     let bytes = fs::read(path(4, "jpg")).unwrap();
     fs::write(path(4, "jpg"), &bytes[..bytes.len() * 3 / 4]).unwrap();
     let (frames, warnings) = read_all(folder.path());
-    assert_eq!(numbers(&frames), [1, 5, 6]);
-    assert_eq!(warnings.len(), 3, "{warnings:?}");
-    for (warning, (number, file)) in warnings.iter().zip([(2, "f2.png"), (3, "f3.png"), (4, "f4.jpg")]) {
+    assert_eq!(numbers(&frames), [1, 5, 6, 8]);
+    assert_eq!(warnings.len(), 4, "{warnings:?}");
+    assert!(warnings[3].contains("the file is empty"), "{}", warnings[3]);
+    let skipped = [(2, "f2.png"), (3, "f3.png"), (4, "f4.jpg"), (7, "f7.png")];
+    for (warning, (number, file)) in warnings.iter().zip(skipped) {
         assert!(
             warning.contains(&format!("frame {number} is skipped")) && warning.contains(file),
             "{warning}"

@@ -15,6 +15,7 @@ use crate::occlusion::EventKind;
 use crate::regions::Roi;
 use crate::source::SourceInfo;
 use crate::truth::analysed_frames::AnalysedFrames;
+use crate::truth::counted;
 pub(super) use crate::truth::run_summary::FILE;
 
 /// Prints the properties of the input, with `-v`.
@@ -95,10 +96,10 @@ fn large_files(job: &RunJob, has_video: bool) -> Vec<&'static str> {
 /// Prints the results, and a note for each large file of an earlier run.
 pub(super) fn print(job: &RunJob, summary: &Summary) {
     job.console.note(&format!(
-        "{} frames, {} objects, {} occlusion episodes, {:.0} frames/s; written to {}",
-        summary.input.frames,
-        summary.objects,
-        summary.episodes,
+        "{}, {}, {}, {:.0} frames/s; written to {}",
+        counted(summary.input.frames as usize, "frame", "frames"),
+        counted(summary.objects, "object", "objects"),
+        counted(summary.episodes, "occlusion episode", "occlusion episodes"),
         summary.timing.frames_per_second,
         job.out.display()
     ));

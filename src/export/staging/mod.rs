@@ -61,7 +61,12 @@ impl Staging {
         // Numbered pictures are replaced as a set: only those of an earlier command.
         let has_earlier_files = paths.iter().any(|(path, kind)| *kind == IsFolder::No && path.is_file());
         paths.iter().try_for_each(|(path, kind)| match kind {
-            IsFolder::No => target::check_file(path, &own),
+            IsFolder::No => {
+                if let Some(within) = path.parent().filter(|within| *within != self.folder) {
+                    target::check_folder(within, &own, |_| false)?;
+                }
+                target::check_file(path, &own)
+            }
             IsFolder::Yes => {
                 if !has_earlier_files {
                     target::check_pictures(path)?;
@@ -234,6 +239,17 @@ mod tests {
         let staging = Staging::new(root.path()).unwrap();
         let line = staging.check([(Path::new("masks"), IsFolder::Yes)]).unwrap_err().to_string();
         assert!(line.contains("masks cannot be written: it is a file, not a folder"), "{line}");
+    }
+
+    #[test]
+    fn a_file_in_place_of_the_folder_of_a_file_is_told_before() {
+        let root = tempfile::tempdir().unwrap();
+        let staging = Staging::new(root.path()).unwrap();
+        let check = || staging.check([(Path::new("truth/gt.txt"), IsFolder::No)]);
+        check().unwrap();
+        fs::write(root.path().join("truth"), "mine").unwrap();
+        let line = check().unwrap_err().to_string();
+        assert!(line.contains("truth cannot be written: it is a file, not a folder"), "{line}");
     }
 
     #[test]
