@@ -50,7 +50,7 @@ pub enum WriteError {
     #[error("{0}")]
     File(io::Error),
     /// The video cannot be encoded.
-    #[error("{path} cannot be encoded: {why}; install FFmpeg with libx264, or choose another size")]
+    #[error("{} cannot be encoded: {why}", path.display())]
     Video {
         /// Its path.
         path: PathBuf,

@@ -14,8 +14,8 @@ use crate::export::{Staging, picture};
 use crate::frame::Frame;
 use crate::source::SourceInfo;
 
-/// What to do about frames that no encoder accepts.
-const REMEDY: &str = "install FFmpeg with libx264, or use --frames in place of --annotated";
+/// What else to do about frames that no encoder accepts.
+const REMEDY: &str = "use --frames in place of --annotated";
 
 /// The destination of annotated frames.
 ///
@@ -48,8 +48,10 @@ impl AnnotatedOutput {
                 }
                 Err(VideoError::File(error)) => return Err(error.into()),
                 Err(error) => {
-                    job.console
-                        .note(&format!("warning: {} will not be written: {error}; {REMEDY}", ANNOTATED.file));
+                    job.console.note(&format!(
+                        "warning: {} will not be written: {error}, or {REMEDY}",
+                        ANNOTATED.file
+                    ));
                     output.give_up_video(error);
                 }
             }
@@ -88,7 +90,7 @@ impl AnnotatedOutput {
                 if finished.is_err() {
                     remove(&self.video_path);
                 }
-                Ok(finished.map_err(|error| anyhow!("{error}; {REMEDY}")))
+                Ok(finished.map_err(|error| anyhow!("{error}, or {REMEDY}")))
             }
         }
     }

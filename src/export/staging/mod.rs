@@ -103,8 +103,8 @@ impl Staging {
     }
 }
 
-/// Fails if nothing more can be written into a folder: the cause of an error of a library that gives none.
-pub fn probe(folder: &Path) -> io::Result<()> {
+/// Fails if nothing more can be written into a folder: the cause of an error for which a library gives none.
+pub(super) fn probe(folder: &Path) -> io::Result<()> {
     let mut file = tempfile::tempfile_in(folder)?;
     file.write_all(&vec![0; PROBE_BYTES])?;
     file.sync_all()

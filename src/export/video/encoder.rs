@@ -15,7 +15,7 @@ pub enum VideoKind {
     /// Playback, also in browsers: MP4 with H.264 High, 4:2:0 chroma, BT.709 in limited range; MPEG-4 part 2, which browsers do
     /// not play, where there is no encoder for H.264.
     Playback,
-    /// The exact bits of the frames: AVI with FFV1 in RGB.
+    /// The exact bits of the frames: AVI, which has a constant frame rate, with FFV1 in RGB.
     Lossless,
 }
 
@@ -34,6 +34,11 @@ impl VideoKind {
             Self::Playback => &["libx264", "libopenh264", MPEG4],
             Self::Lossless => &[FFV1],
         }
+    }
+
+    /// The name of its best encoder.
+    pub(super) fn best_encoder(self) -> &'static str {
+        self.encoders()[0]
     }
 
     /// The size of the encoder's pictures: 4:2:0 chroma needs even sides.
@@ -84,12 +89,10 @@ pub(super) fn rate(fps: f32) -> Rational {
     Rational::new((frames_in(seconds).round() as i32).max(1), seconds).reduce()
 }
 
-/// The unit of time of an encoder, in seconds, of which a frame at this rate has a whole number.
+/// The unit of time of an encoder for playback, in seconds, of which a frame at this rate has a whole number.
 fn tick(encoder: &str, rate: Rational) -> Rational {
     let frames = rate.numerator();
     let ticks = match encoder {
-        // AVI has a constant rate.
-        FFV1 => return rate.invert(),
         MPEG4 if frames > MAX_MPEG4_TICKS => MAX_MPEG4_TICKS,
         MPEG4 => MAX_MPEG4_TICKS / frames * frames,
         _ => frames.saturating_mul((MIN_TICKS - 1) / frames + 1),
@@ -106,7 +109,10 @@ pub(super) fn open_encoder(
     pixel_aspect: Option<(u32, u32)>,
 ) -> Result<(Encoder, Rational), ffmpeg::Error> {
     let codec = encoder::find_by_name(name).ok_or(ffmpeg::Error::EncoderNotFound)?;
-    let tick = tick(name, rate);
+    let tick = match kind {
+        VideoKind::Playback => tick(name, rate),
+        VideoKind::Lossless => rate.invert(),
+    };
     // libx264 refuses a context that was made for any codec.
     let mut video = Context::new_with_codec(codec).encoder().video()?;
     video.set_width(size.width);
@@ -197,7 +203,6 @@ mod tests {
             assert_eq!((rate.numerator(), rate.denominator()), (frames, seconds), "{fps}");
             assert_eq!(tick("libx264", rate), Rational::new(1, ticks), "{fps}");
             assert_eq!(tick(MPEG4, rate), Rational::new(1, mpeg4_ticks), "{fps}");
-            assert_eq!(tick(FFV1, rate), Rational::new(seconds, frames), "{fps}");
         }
     }
 }

@@ -54,15 +54,20 @@ pub struct VideoFile {
 #[derive(Debug, thiserror::Error)]
 pub enum VideoError {
     /// No encoder is installed, or none supports this size and rate.
-    #[error("no encoder of FFmpeg's accepts {size} pixels at {fps} frames per second")]
+    #[error(
+        "no encoder of FFmpeg's accepts {size} pixels at {fps} frames per second; install FFmpeg with {best}, or choose \
+         another size"
+    )]
     Encoder {
+        /// The name of the best encoder of this kind of video.
+        best: &'static str,
         /// The video's size.
         size: Size,
         /// The video's frame rate.
         fps: f32,
     },
     /// The encoder failed after it had been opened.
-    #[error("FFmpeg's encoder failed at frame {0}")]
+    #[error("FFmpeg's encoder failed at frame {0}; choose another size")]
     Frame(u32),
     /// The file cannot be created or written.
     #[error("{0}")]
@@ -94,7 +99,7 @@ impl VideoFile {
         silence_libraries();
         let encoded_size = kind.encoded_size(size);
         let rate = rate(fps);
-        let refused = || VideoError::Encoder { size, fps };
+        let refused = || VideoError::Encoder { best: kind.best_encoder(), size, fps };
         let opened = encoders
             .iter()
             .find_map(|&name| Some((name, open_encoder(kind, name, encoded_size, rate, pixel_aspect).ok()?)));
@@ -105,7 +110,7 @@ impl VideoFile {
             path: path.to_owned(),
             output,
             encoder,
-            is_h264: name != MPEG4,
+            is_h264: kind == VideoKind::Playback && name != MPEG4,
             converter,
             size,
             encoded_size,
@@ -119,12 +124,13 @@ impl VideoFile {
         })
     }
 
-    /// Whether the video is H.264. Without an encoder for it, it is MPEG-4 part 2, which browsers do not play.
+    /// Whether the video is H.264, which browsers play.
     pub fn is_h264(&self) -> bool {
         self.is_h264
     }
 
-    /// Adds a frame of the video's size that is shown from `time` on, in seconds. Times increase; the first may be any.
+    /// Adds a frame of the video's size that is shown from `time` on, in seconds. Times increase; the first may be any. Those of a
+    /// lossless video are a frame period apart.
     pub fn write(&mut self, frame: &Frame, time: f64) -> Result<(), VideoError> {
         if self.frames == 0 {
             self.start = time;
@@ -234,8 +240,9 @@ fn open_output(
     let aspect = stream.parameters().sample_aspect_ratio();
     stream.set_sample_aspect_ratio(aspect);
     let mut options = Dictionary::new();
-    // Of MP4 only.
-    options.set("movflags", "+faststart");
+    if kind == VideoKind::Playback {
+        options.set("movflags", "+faststart");
+    }
     output.write_header_with(options).map_err(file_error)?;
     let file_tick = output.stream(0).map_or(tick, |stream| stream.time_base());
     Ok((output, file_tick))
@@ -330,6 +337,7 @@ mod tests {
             for frame in &frames {
                 video.write(frame, frame.time).unwrap();
             }
+            assert!(!video.is_h264());
             video.finish().unwrap();
 
             let mut read = source::open(path.to_str().unwrap(), Options::default()).unwrap();
