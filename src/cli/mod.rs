@@ -18,6 +18,7 @@ pub mod score;
 mod scored_results;
 pub mod settings;
 mod source_flags;
+mod staged_file;
 mod standard_output;
 pub mod sweep;
 pub mod synth;

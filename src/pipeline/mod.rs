@@ -9,12 +9,12 @@ mod segmentation;
 use std::sync::Arc;
 
 pub use self::offline::{OfflineResult, offline_result};
-pub use self::segmentation::FrameRegions;
-use self::segmentation::Segmentation;
 
 pub(crate) use self::background_subtractor::BackgroundSubtractor;
 pub(crate) use self::offline::{LateDecisions, TrackedFrame, offline_result_of};
 pub(crate) use self::region_finder::RegionFinder;
+use self::segmentation::Segmentation;
+pub(crate) use self::segmentation::SegmentedFrame;
 use crate::frame::{Frame, Mask, Size};
 use crate::mixture::Mixture;
 use crate::occlusion::{Counters, Event, FinalResult, SettledResults, Tracker};
@@ -133,8 +133,8 @@ impl Tracking {
     }
 
     /// Tracks the objects of the next frame and decides its events, from its regions.
-    fn step(&mut self, found: FrameRegions) -> Analysis {
-        let FrameRegions { number, time, mask, labels, regions } = found;
+    fn step(&mut self, found: SegmentedFrame) -> Analysis {
+        let SegmentedFrame { number, time, mask, labels, regions } = found;
         self.t += 1;
         let result = self.tracker.step(number, time, &regions);
         Analysis {
@@ -153,7 +153,7 @@ impl Tracking {
         }
     }
 
-    fn step_many(&mut self, found: Vec<FrameRegions>) -> Vec<Analysis> {
+    fn step_many(&mut self, found: Vec<SegmentedFrame>) -> Vec<Analysis> {
         found.into_iter().map(|found| self.step(found)).collect()
     }
 }
@@ -202,17 +202,19 @@ impl Pipeline {
         Ok(self.tracking.step_many(found))
     }
 
-    /// Processes the next frames in the stages before tracking, and at the same time `found`, the result for the frames
-    /// before them, in the other stages. Together, calls equal [`Self::step_many`]; the first has nothing found, and the last
-    /// no frames.
-    pub fn step_staggered(
+    /// Processes the next frames in the stages before tracking, and at the same time `segmented`, the result for the frames
+    /// before them, in the other stages. Together, calls equal [`Self::step_many`]; the first has nothing segmented, and the
+    /// last no frames. Until then the model is ahead of the tracks, and no other method may process frames. On an error the
+    /// analyses of `segmented` are lost.
+    pub(crate) fn step_staggered(
         &mut self,
-        found: Vec<FrameRegions>,
+        segmented: Vec<SegmentedFrame>,
         frames: &[&Frame],
-    ) -> Result<(Vec<Analysis>, Vec<FrameRegions>), PipelineError> {
+    ) -> Result<(Vec<Analysis>, Vec<SegmentedFrame>), PipelineError> {
         let Self { segmentation, tracking } = self;
-        let (analyses, found) = rayon::join(|| tracking.step_many(found), || segmentation.step_many(frames));
-        Ok((analyses, found?))
+        let (analyses, next) =
+            rayon::join(|| tracking.step_many(segmented), || segmentation.step_many(frames));
+        Ok((analyses, next?))
     }
 
     /// The model's masks of the next frames, before cleaning: the first stage only. Each has to be passed to
@@ -250,7 +252,7 @@ impl Pipeline {
     /// and in the order of frames.
     pub fn track_again(&mut self, analysis: &Analysis) -> Analysis {
         let Analysis { number, time, mask, labels, regions, .. } = analysis.clone();
-        self.tracking.step(FrameRegions { number, time, mask, labels, regions })
+        self.tracking.step(SegmentedFrame { number, time, mask, labels, regions })
     }
 
     /// What is decided if the last frame was the last of the sequence. The pipeline may continue.

@@ -11,17 +11,17 @@ use crate::settings::Settings;
 
 /// The results of the stages before tracking for one frame.
 #[derive(Clone, Debug)]
-pub struct FrameRegions {
+pub(crate) struct SegmentedFrame {
     /// The frame number in the source.
-    pub number: u32,
+    pub(super) number: u32,
     /// The frame's time in seconds since the source's first frame.
-    pub time: f64,
+    pub(super) time: f64,
     /// The mask after cleaning, before `min_area`.
-    pub mask: Arc<Mask>,
+    pub(super) mask: Arc<Mask>,
     /// The region of each pixel.
-    pub labels: Arc<Labels>,
+    pub(super) labels: Arc<Labels>,
     /// The regions, by label.
-    pub regions: Arc<Vec<Region>>,
+    pub(super) regions: Arc<Vec<Region>>,
 }
 
 /// The stages before tracking with their state.
@@ -56,12 +56,12 @@ impl Segmentation {
         &self,
         frames: &[&Frame],
         raw: Vec<Mask>,
-    ) -> Result<Vec<FrameRegions>, PipelineError> {
+    ) -> Result<Vec<SegmentedFrame>, PipelineError> {
         let finder = &self.region_finder;
         let regions_of = |(frame, raw): (&&Frame, Mask)| {
             let mask = finder.clean(frame, raw)?;
             let (labels, regions) = finder.find(frame, &mask);
-            Ok(FrameRegions {
+            Ok(SegmentedFrame {
                 number: frame.number,
                 time: frame.time,
                 mask: Arc::new(mask),
@@ -73,7 +73,7 @@ impl Segmentation {
     }
 
     /// Processes the next frames.
-    pub(super) fn step_many(&mut self, frames: &[&Frame]) -> Result<Vec<FrameRegions>, PipelineError> {
+    pub(super) fn step_many(&mut self, frames: &[&Frame]) -> Result<Vec<SegmentedFrame>, PipelineError> {
         let raw = self.masks(frames)?;
         self.regions(frames, raw)
     }

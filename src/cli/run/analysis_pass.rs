@@ -1,5 +1,6 @@
 //! The first pass: every frame through all stages.
 
+use std::mem;
 use std::sync::Arc;
 
 use anyhow::{Context as _, bail};
@@ -15,7 +16,7 @@ use crate::cli::interrupt;
 use crate::export::Staging;
 use crate::frame::Frame;
 use crate::mixture::BATCH;
-use crate::pipeline::{Analysis, Pipeline};
+use crate::pipeline::{Analysis, Pipeline, SegmentedFrame};
 use crate::regions::Roi;
 
 /// Analyses all frames within `roi`. Images that do not need the offline result are written during it, and a camera's
@@ -29,57 +30,73 @@ pub(super) fn analyse(
     labels: Option<&mut LabelSpool>,
 ) -> anyhow::Result<RunRecord> {
     let info = &frames.info.clone();
-    let mut pipeline = prepare(job, roi, frames)?;
-    let mut outputs = Outputs {
-        pictures: Pictures::new(job, info, staging)?,
-        labels,
-        live: LiveAnnotation::new(info, annotated),
-        recorder: ResultRecorder::new(info, staging)?,
+    let mut pass = Pass {
+        video: &job.video,
+        pipeline: prepare(job, roi, frames)?,
+        segmented: (Vec::new(), Vec::new()),
+        outputs: Outputs {
+            pictures: Pictures::new(job, info, staging)?,
+            labels,
+            live: LiveAnnotation::new(info, annotated),
+            recorder: ResultRecorder::new(info, staging)?,
+        },
     };
 
     let progress = job.console.progress("analysing", frames.total);
     // Images of the model are of the state after each frame.
-    let is_frame_by_frame = outputs.pictures.has_background();
+    let is_frame_by_frame = pass.outputs.pictures.has_background();
     let most = if is_frame_by_frame { 1 } else { BATCH };
-    // The frames before the current ones, and their regions: they are tracked while those of the current ones are found.
-    let (mut last, mut found) = (Vec::new(), Vec::new());
-    let step = |pipeline: &mut Pipeline, found, batch: &[Arc<Frame>]| {
-        let frames: Vec<&Frame> = batch.iter().map(Arc::as_ref).collect();
-        pipeline.step_staggered(found, &frames).with_context(|| job.video.clone())
-    };
     loop {
         // Stopping ends a recording; any other work is then incomplete.
         if interrupt::is_stop_requested() && !info.live {
             bail!("stopped before the end of {}; nothing was written", job.video);
         }
         let Batch { frames: batch, after } = frames.batch(most);
-        let batch: Vec<_> = batch.into_iter().map(Arc::new).collect();
-        let advanced = batch.len();
-        let (analyses, next) = step(&mut pipeline, found, &batch)?;
-        outputs.add(&last, &analyses, &pipeline)?;
-        (last, found) = (batch, next);
+        let count = batch.len();
+        pass.advance(batch.into_iter().map(Arc::new).collect())?;
         if is_frame_by_frame || matches!(after, Some(Item::End)) {
-            let (analyses, next) = step(&mut pipeline, found, &[])?;
-            outputs.add(&last, &analyses, &pipeline)?;
-            (last, found) = (Vec::new(), next);
+            pass.advance(Vec::new())?;
         }
-        progress.advance(advanced);
+        progress.advance(count);
         match after {
             None | Some(Item::Frame(_)) => {}
             Some(Item::Warning(text)) => {
                 progress.warn(&text);
-                outputs.recorder.add_warning(text);
+                pass.outputs.recorder.add_warning(text);
             }
             Some(Item::Failed(error)) => return Err(error),
             Some(Item::End) => break,
         }
     }
     drop(progress);
+    let Pass { pipeline, outputs, .. } = pass;
     outputs.pictures.finish()?;
     if outputs.recorder.frames() == 0 {
         bail!("{} has no frames; nothing was written", job.video);
     }
     Ok(outputs.recorder.finish(&pipeline)?)
+}
+
+/// The stages, and the frames between them.
+struct Pass<'a> {
+    video: &'a str,
+    pipeline: Pipeline,
+    /// The frames that are still to be tracked, and their regions.
+    segmented: (Vec<Arc<Frame>>, Vec<SegmentedFrame>),
+    outputs: Outputs<'a>,
+}
+
+impl Pass<'_> {
+    /// Segments the next frames, and tracks those of the last call.
+    fn advance(&mut self, frames: Vec<Arc<Frame>>) -> anyhow::Result<()> {
+        let borrowed: Vec<&Frame> = frames.iter().map(Arc::as_ref).collect();
+        let (before, segmented) = mem::take(&mut self.segmented);
+        let stepped = self.pipeline.step_staggered(segmented, &borrowed);
+        let (analyses, segmented) = stepped.with_context(|| self.video.to_owned())?;
+        self.outputs.add(&before, &analyses, &self.pipeline)?;
+        self.segmented = (frames, segmented);
+        Ok(())
+    }
 }
 
 /// What takes the results of the frames.
@@ -98,6 +115,7 @@ impl Outputs<'_> {
         analyses: &[Analysis],
         pipeline: &Pipeline,
     ) -> anyhow::Result<()> {
+        debug_assert_eq!(frames.len(), analyses.len());
         for (frame, analysis) in frames.iter().zip(analyses) {
             self.pictures.write(frame, analysis, pipeline)?;
             if let Some(spool) = &mut self.labels {

@@ -31,7 +31,6 @@ use clap::ArgMatches;
 
 pub use arguments::command;
 pub(super) use input_hash::hexadecimal;
-pub(super) use tables::write_file;
 
 use super::frames::Frames;
 use super::{flags, inputs, source_flags};

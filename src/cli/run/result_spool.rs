@@ -88,7 +88,7 @@ impl ResultSpool {
 
     fn decided(&self, data: &[u8]) -> io::Result<FrameResults> {
         let SpooledFrame { number, time, objects, regions } =
-            postcard::from_bytes::<SpooledFrame<Track>>(data).map_err(io::Error::other)?;
+            postcard::from_bytes::<SpooledFrame<Track>>(data).map_err(|error| self.spool.error(error))?;
         let objects: Vec<_> = objects.into_iter().map(|(key, track)| Track { key, ..track }).collect();
         let mut tracks = self.decisions.tracks_of(number, time, &objects);
         let mut regions = FrameRows { number, rows: regions };

@@ -1,5 +1,6 @@
 //! Data of the frames in a temporary file, until the end of the analysis: memory holds that of one frame.
 
+use std::error::Error;
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read as _, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -41,6 +42,11 @@ pub(super) struct Spool {
 }
 
 impl Spool {
+    /// An error of data that was read, with the folder.
+    pub(super) fn error(&self, why: impl Into<Box<dyn Error + Send + Sync>>) -> io::Error {
+        describe(&self.folder, io::Error::other(why))
+    }
+
     /// The data of each frame, in order, without an end: as many are taken as were added. There is one reader at a time, as
     /// all of a file share its position.
     pub(super) fn read(&self) -> io::Result<impl Iterator<Item = io::Result<Vec<u8>>>> {

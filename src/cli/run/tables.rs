@@ -1,16 +1,14 @@
 //! The files that are always written, except the summary.
 
 use std::collections::BTreeSet;
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
-use std::path::PathBuf;
+use std::io::{self, Write};
 
 use super::ROI;
 use super::arguments::RunJob;
 use super::record::RunRecord;
 use super::result_spool::{FrameResults, ResultSpool};
+use crate::cli::staged_file::{StagedFile, write_file};
 use crate::export::tracks_json::TracksJson;
-use crate::export::write_failure::describe;
 use crate::export::{Staging, episodes_csv, events_jsonl, picture, regions_csv, tracks_csv};
 use crate::pipeline::LateDecisions;
 
@@ -36,13 +34,13 @@ pub(super) fn write(record: &RunRecord, job: &RunJob, staging: &Staging) -> io::
     let LateDecisions { events, episodes, .. } = &record.results.decisions;
     write_file(staging, "events.jsonl", |out| events_jsonl::write(out, events, &record.times))?;
     write_file(staging, "episodes.csv", |out| episodes_csv::write(out, episodes))?;
-    // A thread of the pool shares its work at less cost than one outside of it.
+    // Only to work on a thread of the pool, which shares its work at less cost than one outside of it.
     rayon::scope(|_| write_by_frame(&record.results, staging))
 }
 
 /// Writes the tables that have rows for each frame, in a single pass. Returns the number of identities.
 fn write_by_frame(results: &ResultSpool, staging: &Staging) -> io::Result<usize> {
-    let create = |name| OutputFile::create(staging, name);
+    let create = |name| StagedFile::create(staging, name);
     let (mut tracks_out, mut regions_out) = (create("tracks.csv")?, create("regions.csv")?);
     let mut json = TracksJson::new(create("tracks.json")?)?;
     regions_csv::write_header(&mut regions_out)?;
@@ -65,43 +63,4 @@ fn write_by_frame(results: &ResultSpool, staging: &Staging) -> io::Result<usize>
     json.finish()?;
     regions_out.flush()?;
     Ok(identities.len())
-}
-
-/// Writes one staged file.
-pub(in crate::cli) fn write_file(
-    staging: &Staging,
-    name: &str,
-    content: impl FnOnce(&mut OutputFile) -> io::Result<()>,
-) -> io::Result<()> {
-    let mut out = OutputFile::create(staging, name)?;
-    content(&mut out)?;
-    out.flush()
-}
-
-/// A staged file. Its errors name it, the cause, and a remedy.
-pub(in crate::cli) struct OutputFile {
-    path: PathBuf,
-    out: BufWriter<File>,
-}
-
-impl OutputFile {
-    fn create(staging: &Staging, name: &str) -> io::Result<Self> {
-        let path = staging.path(name);
-        let file = File::create(&path).map_err(|error| describe(&path, error))?;
-        Ok(Self { path, out: BufWriter::new(file) })
-    }
-}
-
-impl Write for OutputFile {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.out.write(bytes).map_err(|error| describe(&self.path, error))
-    }
-
-    fn write_all(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.out.write_all(bytes).map_err(|error| describe(&self.path, error))
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.out.flush().map_err(|error| describe(&self.path, error))
-    }
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::arguments::SweepJob;
 use super::opened_sequence::OpenedSequence;
-use crate::cli::run::write_file;
+use crate::cli::staged_file::write_file;
 use crate::export::heat_map::{HeatMapFile, is_name_of_map};
 use crate::export::report::{self, Report};
 use crate::export::staging::IsFolder;
