@@ -137,14 +137,14 @@ impl ScoreJob {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::frame::Size;
     use crate::truth::boxes::Bounds;
 
     /// The boxes of one object, which moves to the right from `x` on in ten frames.
-    fn boxes(x: f64) -> Boxes {
+    pub(crate) fn boxes(x: f64) -> Boxes {
         let of_frame = |number: u32| [(1, Bounds([x + f64::from(number), 5.0, 10.0, 20.0]))].into();
         (1..=10).map(|number| (number, of_frame(number))).collect()
     }
@@ -155,7 +155,7 @@ mod tests {
         let truth = |x| Arc::new(Truth { boxes: Some(boxes(x)), ..Truth::default() });
         let (far, equal) = (truth(30.0), truth(0.0));
         let mut scorer = Scorer { job: Some(ScoreJob::new(&far, &found, None)), done: None };
-        while scorer.advance(&equal, &found, &record, false) != ScoreStep::Finished {}
+        assert!((0..1000).any(|_| scorer.advance(&equal, &found, &record, false) == ScoreStep::Finished));
         assert!(scorer.by(&far).is_none());
         let tracks = scorer.by(&equal).and_then(|score| score.tracks.clone()).unwrap();
         assert_eq!((tracks.strict.mota, tracks.strict.idf1), (1.0, 1.0));

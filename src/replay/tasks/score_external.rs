@@ -92,13 +92,7 @@ impl ScoreJob {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::truth::boxes::{Bounds, Boxes};
-
-    /// The boxes of one object, which moves to the right from `x` on in ten frames.
-    fn boxes(x: f64) -> Boxes {
-        let of_frame = |number: u32| [(1, Bounds([x + f64::from(number), 5.0, 10.0, 20.0]))].into();
-        (1..=10).map(|number| (number, of_frame(number))).collect()
-    }
+    use crate::replay::tasks::score::tests::boxes;
 
     #[test]
     fn another_truth_is_scored_from_the_start() {
@@ -110,7 +104,7 @@ mod tests {
         assert_eq!(scorer.advance(&equal, &analysed, false), ScoreStep::Idle);
         scorer.set_results(Some(Arc::clone(&results)));
         scorer.job = Some(ScoreJob::start(&far, &results, (1..=10).collect(), false));
-        while scorer.advance(&equal, &analysed, false) != ScoreStep::Finished {}
+        assert!((0..1000).any(|_| scorer.advance(&equal, &analysed, false) == ScoreStep::Finished));
         assert!(scorer.by(&far).is_none());
         let tracks = scorer.by(&equal).and_then(|score| score.tracks.clone()).unwrap();
         assert_eq!((tracks.strict.mota, tracks.strict.idf1), (1.0, 1.0));
