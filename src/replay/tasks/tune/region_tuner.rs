@@ -202,7 +202,11 @@ mod tests {
             assert_eq!(tuning.present, of_mixture(&part, &labels, tuning.parameters));
         }
         let other = Settings { alpha: 0.2, ..settings };
-        assert!(tuner.advance(&other).is_some(), "another question");
+        tuner.tune(Some([TunableSetting::Alpha, TunableSetting::T]));
+        assert!(
+            tuner.advance(&other).is_some() && tuner.current.is_some(),
+            "another question takes several steps"
+        );
         let last = Settings { alpha: 0.05, ..settings };
         assert!(std::iter::from_fn(|| tuner.advance(&last)).count() > 0, "and one more before its answer");
         let tuning = tuner.latest().unwrap();
