@@ -33,8 +33,7 @@ pub(super) fn check_folder(path: &Path, own: &Metadata, is_ours: impl Fn(&str) -
         Ok(there) => there,
     };
     if !there.is_dir() {
-        let why = "it is a file, not a folder; remove it, or choose another place";
-        return Err(refused(ErrorKind::NotADirectory, path, why.into()));
+        return Err(describe(path, ErrorKind::NotADirectory.into()));
     }
     if !is_same_disk(&there, own) {
         let why = "it is on another disk than the folder that holds it; choose a folder on that disk";
